@@ -165,7 +165,7 @@ TEST_F(DiagnoseActuators, SayWhatIsLeftBesideACause) {
   EXPECT_GT(left / whole, 0.05);
   EXPECT_NEAR(result.at("left_over").at("share_percent").get<double>(), 100.0 * left / whole, 1.0);
   EXPECT_THAT(result.at("sentence").get<std::string>(), ::testing::HasSubstr("times the noise"));
-  EXPECT_THAT(result.at("next_experiment").get<std::string>(), ::testing::HasSubstr("follows no logged channel"));
+  EXPECT_THAT(result.at("next_experiment").get<std::string>(), ::testing::HasSubstr("no logged channel explains it"));
 }
 
 TEST_F(DiagnoseActuators, NameTheOffsetOfAWindingsSensor) {

@@ -24,8 +24,9 @@ double timesTheNoise(const Diagnosis& d) {
 
 std::string recordTwice(const Diagnosis& d) {
   return fmt::format(
-      "What is left is {:.1f} times the noise and follows no logged channel: log what else acts on the rig, and "
-      "record one motion twice; what differs between the two is not the drive's.",
+      "What is left is {:.1f} times the noise, and no logged channel explains it on data never used: record longer, "
+      "log "
+      "what else acts on the rig, and record one motion twice; what differs between the two is not the drive's.",
       timesTheNoise(d));
 }
 
@@ -61,8 +62,9 @@ std::string shapeOf(const std::vector<EvidenceBin>& evidence, const std::string&
 std::string leftText(const Diagnosis& d) {
   if (d.left_over_percent < 1.0) return {};
   if (d.unexplained.empty()) {
-    return fmt::format("{:.0f} % of the squared error, {:.1f} times the noise, which follows no logged channel",
-                       d.left_over_percent, timesTheNoise(d));
+    return fmt::format(
+        "{:.0f} % of the squared error, {:.1f} times the noise, which no logged channel explains on data never used",
+        d.left_over_percent, timesTheNoise(d));
   }
   const Leftover& most = d.unexplained[0];
   return fmt::format("{:.0f} % of the squared error, by {}{}", d.left_over_percent, most.channel,
@@ -107,7 +109,7 @@ void conclude(Diagnosis& d) {
         "Nothing found: no cause improves the model on data it has not seen; RMS {:.4g}, noise "
         "floor {:.4g}{}.",
         std::sqrt(d.baseline.mse_heldout), std::sqrt(d.noise_floor),
-        farAboveNoise(d) ? ": what is left follows no logged channel" : "");
+        farAboveNoise(d) ? ": no logged channel explains what is left on data never used" : "");
   } else if (d.verdict == DiagnosisVerdict::kUnexplained) {
     d.sentence = fmt::format("Unexplained: no cause of the catalogue was found. Left: {}.", left);
   } else {

@@ -35,7 +35,7 @@ TEST(LogConclusion, AtTheNoiseNothingIsMissing) {
 TEST(LogConclusion, FarAboveTheNoiseSomethingIsThatNoChannelShows) {
   const Diagnosis d = withoutCauses(0.16, 0.04);
   EXPECT_EQ(d.verdict, DiagnosisVerdict::kNothingFound);
-  EXPECT_THAT(d.sentence, HasSubstr("what is left follows no logged channel"));
+  EXPECT_THAT(d.sentence, HasSubstr("no logged channel explains what is left"));
   const std::string next = nextExperiment(d, minutesOfLog(2.0));
   EXPECT_THAT(next, HasSubstr("4.0 times the noise"));
   EXPECT_THAT(next, Not(HasSubstr("Nothing is missing")));
@@ -91,7 +91,7 @@ TEST(LogConclusion, TheChannelThatCarriesMostIsNamedFirst) {
 }
 
 TEST(LogConclusion, AnUnknownNoiseIsNoYardstick) {
-  EXPECT_THAT(withoutCauses(0.16, 0.0).sentence, Not(HasSubstr("follows no logged channel")));
+  EXPECT_THAT(withoutCauses(0.16, 0.0).sentence, Not(HasSubstr("no logged channel explains")));
 }
 
 }  // namespace
