@@ -105,11 +105,11 @@ void conclude(Diagnosis& d) {
   const std::string left = leftText(d);
   d.verdict = verdictOf(d.causes, !left.empty());
   if (d.verdict == DiagnosisVerdict::kNothingFound) {
-    d.sentence = fmt::format(
-        "Nothing found: no cause improves the model on data it has not seen; RMS {:.4g}, noise "
-        "floor {:.4g}{}.",
-        std::sqrt(d.baseline.mse_heldout), std::sqrt(d.noise_floor),
-        farAboveNoise(d) ? ": no logged channel explains what is left on data never used" : "");
+    d.sentence =
+        fmt::format("Nothing found: no cause improves the model on data it has not seen; RMS {:.4g}, noise floor {}{}.",
+                    std::sqrt(d.baseline.mse_heldout),
+                    d.noise_floor > 0.0 ? fmt::format("{:.4g}", std::sqrt(d.noise_floor)) : "unknown",
+                    farAboveNoise(d) ? ": no logged channel explains what is left on data never used" : "");
   } else if (d.verdict == DiagnosisVerdict::kUnexplained) {
     d.sentence = fmt::format("Unexplained: no cause of the catalogue was found. Left: {}.", left);
   } else {
@@ -161,6 +161,11 @@ std::string nextExperiment(const Diagnosis& d, const PreparedLog& log) {
   }
   if (farAboveNoise(d) || d.verdict == DiagnosisVerdict::kUnexplained) return recordTwice(d);
   if (d.verdict != DiagnosisVerdict::kNothingFound) return {};
+  if (d.noise_floor <= 0.0) {
+    return "The rows do not tell their own noise, so whether more is missing cannot be said: log more rows a second, "
+           "or "
+           "record one motion twice.";
+  }
   constexpr double kAtTheNoise = 1.2;
   if (timesTheNoise(d) > kAtTheNoise) {
     return fmt::format(

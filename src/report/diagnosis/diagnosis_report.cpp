@@ -157,9 +157,11 @@ std::string terminalTable(const Diagnosis& d) {
   std::string unit = d.error_unit;  // of squares: "A2"
   if (unit.ends_with('2')) unit.pop_back();
   unit = unitTitle(unit);
-  if (d.verdict != DiagnosisVerdict::kDataFault)
-    text += fmt::format("gap       RMS {:.4g} {} on data never used, noise floor {:.4g} {}\n",
-                        std::sqrt(d.baseline.mse_heldout), unit, std::sqrt(d.noise_floor), unit);
+  if (d.verdict != DiagnosisVerdict::kDataFault) {
+    text +=
+        fmt::format("gap       RMS {:.4g} {} on data never used, noise floor {}\n", std::sqrt(d.baseline.mse_heldout),
+                    unit, d.noise_floor > 0.0 ? fmt::format("{:.4g} {}", std::sqrt(d.noise_floor), unit) : "unknown");
+  }
   for (const DataFault& f : d.faults) text += fmt::format("fault     {}\n", f.sentence);
   if (!d.causes.empty()) text += causesText(d, result);
   for (const Candidate& c : d.candidates)

@@ -31,6 +31,14 @@ TEST(LogConclusion, AtTheNoiseNothingIsMissing) {
   EXPECT_THAT(nextExperiment(d, minutesOfLog(2.0)), HasSubstr("Nothing is missing at this noise"));
 }
 
+TEST(LogConclusion, ANoiseThatIsNotKnownIsNotNone) {
+  const Diagnosis d = withoutCauses(1.05, 0.0);
+  EXPECT_THAT(d.sentence, HasSubstr("RMS 1.05, noise floor unknown."));
+  const std::string next = nextExperiment(d, minutesOfLog(2.0));
+  EXPECT_THAT(next, HasSubstr("do not tell their own noise"));
+  EXPECT_THAT(next, Not(HasSubstr("Nothing is missing")));
+}
+
 // A push from outside that no sensor saw: found nothing, but not everything is well.
 TEST(LogConclusion, FarAboveTheNoiseSomethingIsThatNoChannelShows) {
   const Diagnosis d = withoutCauses(0.16, 0.04);
