@@ -14,7 +14,10 @@ PreparedLog prepare(const CsvTable& table, const Bench& /*bench*/, const Frictio
   for (const auto& [name, channel] :
        {std::pair("voltage_V", &motor.voltage), {"current_A", &motor.current}, {"velocity_rad_s", &motor.velocity}}) {
     if (channel->empty())
-      throw DataError(fmt::format("{}:1: found no {}, expected it to diagnose a winding", motor.file, name));
+      throw DataError(
+          fmt::format("{}:1: found no {}, expected it to diagnose a winding (a drive's effort and motion alone: simgap "
+                      "diagnose coulomb)",
+                      motor.file, name));
   }
   PreparedLog log = prepared(ActuatorKind::kMotor, motor.file, motor.time, motor.session, motor.session_names);
   log.effort_column = "voltage_V";
