@@ -157,8 +157,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"parent_orientation: [0.96, 0.28, 0, 0]", "parent_orientation: [0.96, 0.5, 0, 0]", "length 1.08"},
         Refused{"lower_limit_m: -0.2", "lower_limit_rad: -0.2", "lower_limit_rad: unit 'rad' is of another kind"},
         Refused{"parent: tip, child: nail", "parent: tip, child: lower", "closed loops are not modelled"},
-        Refused{"type: prismatic, parent: base", "type: prismatic, parent: tip",
-                "hangs on a circle of joints"}));
+        Refused{"type: prismatic, parent: base", "type: prismatic, parent: tip", "hangs on a circle of joints"}));
 
 }  // namespace
 }  // namespace simgap
