@@ -71,7 +71,8 @@ TEST(LogConclusion, WhatIsLeftThroughoutAndFollowsNoChannelIsUnexplained) {
   d.left_over_percent = 94.0;
   conclude(d);
   EXPECT_EQ(d.verdict, DiagnosisVerdict::kUnexplained);
-  EXPECT_THAT(d.sentence, HasSubstr("Left: 94 % of the squared error, 4.0 times the noise, which follows no logged"));
+  EXPECT_THAT(d.sentence, HasSubstr("Left: 94 % of the squared error, 4.0 times the noise, which no logged channel "
+                                    "explains"));
   EXPECT_THAT(nextExperiment(d, minutesOfLog(2.0)), HasSubstr("log what else acts on the rig"));
 }
 
