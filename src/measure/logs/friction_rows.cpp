@@ -170,8 +170,8 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
   if (!options.raw_sign) {
     takeEvenTimes(log, runs, bench.needsAcceleration(), data);
     putSpikesRight(log, data);
-    moveLateVelocity(log, runs, data);
     if (bench.needsAcceleration()) replaceNoisyVelocity(log, runs, data);
+    moveLateVelocity(log, runs, data);
     if (!options.load_is_fitted) smoothNoisyLoad(log, runs, data);
   }
   const bool derived_velocity = log.velocity.empty();
