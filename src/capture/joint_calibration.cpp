@@ -116,6 +116,7 @@ std::vector<TargetPose> relativePoses(const CaptureJoint& joint, const std::vect
 
 Eigen::Quaterniond meanRotation(const std::vector<TargetPose>& poses) {
   std::vector<Eigen::Quaterniond> rotations;
+  rotations.reserve(poses.size());
   for (const TargetPose& pose : poses) rotations.emplace_back(pose.rotation);
   return meanRotation(rotations);
 }

@@ -102,6 +102,7 @@ Pose meanPose(const std::string& name, const std::vector<std::size_t>& rows, con
   for (std::size_t j = 0; j < layout.joints.size(); ++j) {
     const JointType type = layout.joints[j].type;
     std::vector<JointPosition> measured;
+    measured.reserve(rows.size());
     for (const std::size_t row : rows) measured.push_back(columns.joints[j][row]);
     pose.joints.push_back(kindOf(type).mean(measured));
     double squares = 0.0;

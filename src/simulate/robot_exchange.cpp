@@ -9,6 +9,7 @@
 #include "simgap/core/error.h"
 #include "simgap/core/text.h"
 #include "simgap/core/words.h"
+#include "simgap/model/arm/arm_effect.h"
 #include "simgap/model/arm/arm_yaml.h"
 #include "simgap/model/arm/kinematics.h"
 

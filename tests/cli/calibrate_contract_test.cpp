@@ -1,4 +1,6 @@
 // What a calibration may hand over, and when it has to say no.
+#include <fmt/format.h>
+
 #include "cli/cli_fixture.h"
 #include "simgap/core/run_directory.h"
 
@@ -159,7 +161,7 @@ TEST_F(CalibrateContractTest, NumbersInAnotherUnitOrOrderAreNamed) {
        {"deltoid_anterior", "deltoid_lateral", "deltoid_posterior", "pectoralis_major", "latissimus_dorsi",
         "infraspinatus", "supraspinatus", "subscapularis", "biceps", "brachialis", "triceps"}) {
     const std::string column = std::string("shaft_") + muscle + "_rad";
-    degrees.insert(degrees.end(), {"--map", column + "=" + column + "*57.29577951308232"});
+    degrees.insert(degrees.end(), {"--map", fmt::format("{0}={0}*57.29577951308232", column)});
   }
   put("odd.csv", text("all.csv"));
   expectRefused(degrees, 3, "look like degrees");

@@ -9,6 +9,7 @@
 #include "reality/friction_log.h"
 #include "reality/motor_log.h"
 #include "reality/pam_rig.h"
+#include "simgap/core/csv.h"
 #include "simgap/core/run_directory.h"
 
 namespace simgap::test {

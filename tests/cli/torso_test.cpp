@@ -6,7 +6,6 @@
 namespace simgap::test {
 namespace {
 
-using testing::HasSubstr;
 using testing::StartsWith;
 
 class TorsoTest : public CliTest {

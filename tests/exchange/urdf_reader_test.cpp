@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "mjcf_texts.h"
 #include "simgap/core/error.h"
 #include "simgap/exchange/exchange.h"
 #include "simgap/model/arm/kinematics.h"

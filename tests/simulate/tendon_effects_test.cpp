@@ -67,7 +67,8 @@ double touchingRadius(const std::string& target, double joint) {
   };
   const double straight = lengths(0.0);
   double first = 0.0, last = 0.0;
-  for (double radius = 0.005; radius < 0.2; radius += 0.0005) {
+  for (int i = 10; i < 400; ++i) {
+    const double radius = 0.0005 * i;
     if (lengths(radius) < straight + 1e-5) continue;
     if (first == 0.0) first = radius;
     last = radius;

@@ -67,6 +67,7 @@ class Judge {
       return models;
     });
     std::vector<GroupErrors> errors;
+    errors.reserve(unseen.size());
     for (const Eigen::VectorXd& residual : unseen) errors.push_back(errorsOf(residual));
     const auto steps = std::ssize(selection_.steps);
     unseen_ = unseen[selection_.steps.size() - 1];

@@ -160,7 +160,7 @@ void MotionCauseFit::searchAlong(Eigen::Index i) {
       least = objectives[best];
     }
     if (best + 1 < kPlaces) spacing *= 0.25;  // else it may be larger still
-    from = found[i] - kPlaces / 2 * spacing;
+    from = found[i] - static_cast<double>(kPlaces / 2) * spacing;
   }
   if (least < kInfinity && moveTo(found)) fitRobustScale(*posterior_, here_.z, here_.at);
 }

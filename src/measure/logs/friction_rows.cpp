@@ -104,7 +104,7 @@ void keepRows(FrictionData& data, const std::vector<bool>& keep) {
 
 /// A channel as an array; the vector's memory is given back.
 Eigen::ArrayXd take(std::vector<double>& channel) {
-  const Eigen::ArrayXd values = Eigen::Map<const Eigen::ArrayXd>(channel.data(), channel.size());
+  Eigen::ArrayXd values = Eigen::Map<const Eigen::ArrayXd>(channel.data(), channel.size());
   channel = {};
   return values;
 }

@@ -73,6 +73,7 @@ const ChannelName& requiredName(const CsvTable& table, const std::vector<Channel
                                 const LoggedJoint& joint) {
   if (const ChannelName* found = firstName(table, names)) return *found;
   std::vector<std::string> columns;
+  columns.reserve(names.size());
   for (const ChannelName& name : names) columns.push_back(name.column());
   throw DataError(fmt::format("{}: found no {} of joint {}, expected one of the columns {}", table.name(), what,
                               joint.name, fmt::join(columns, ", ")));
@@ -150,6 +151,7 @@ void leaveOutPresliding(const ActuatorLog& log, std::span<const Block> runs, std
   constexpr double kPeriods = 3.0, kLeastOfTurns = 0.125, kMostOfTurns = 0.25;
   const std::vector<std::size_t> turns = turnsOf(sign.direction, runs);
   std::vector<double> turned;
+  turned.reserve(turns.size());
   for (const std::size_t row : turns) turned.push_back(log.time[row]);
   const double between = usualStep(turned);
   const double seconds = std::clamp(kPeriods / joint.bandwidth, kLeastOfTurns * between, kMostOfTurns * between);

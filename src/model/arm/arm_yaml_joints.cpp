@@ -156,7 +156,7 @@ void weld(const Body& body, const Place& place, Body& onto) {
       return std::any_of(items.begin(), items.end(), [&](const auto& item) { return item.name == name; });
     };
     std::string name = wanted;
-    while (taken(name)) name = body.name + "_" + name;
+    while (taken(name)) name.insert(0, body.name + "_");
     return name;
   };
   const Eigen::Quaterniond turn(place.pose.linear());

@@ -154,6 +154,7 @@ TendonPath pathOverJoints(const ArmModel& model, std::vector<Station> wheels) {
 TendonPath readLongPath(const YamlNode& list, const std::vector<YamlNode>& nodes, const ArmModel& model,
                         const Places& places) {
   std::vector<Station> stations;
+  stations.reserve(nodes.size());
   for (const YamlNode& node : nodes) stations.push_back(readStation(node, model, places));
   if (std::ranges::all_of(stations, [](const Station& s) { return s.kind == Kind::kJoint; })) {
     if (stations.empty()) list.fail("found no attachment, expected at least two points, or joints");

@@ -17,7 +17,8 @@ PamLog comparedRig(double spring) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> noise(0.0, 5.0);  // [N]
   for (int i = 0; i < 1200; ++i) {
-    const double pressure = 1e5 * (1 + i / 200), eps = -0.03 + 0.1 * (1.0 - std::cos(0.1 * i));
+    const int level = 1 + i / 200;
+    const double pressure = 1e5 * level, eps = -0.03 + 0.1 * (1.0 - std::cos(0.1 * i));
     double low = 0.0, high = 2e4;
     for (int k = 0; k < 100; ++k) {
       const double f = 0.5 * (low + high), x = eps + f / spring;
