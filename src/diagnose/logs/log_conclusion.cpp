@@ -25,8 +25,7 @@ double timesTheNoise(const Diagnosis& d) {
 std::string recordTwice(const Diagnosis& d) {
   return fmt::format(
       "What is left is {:.1f} times the noise, and no logged channel explains it on data never used: record longer, "
-      "log "
-      "what else acts on the rig, and record one motion twice; what differs between the two is not the drive's.",
+      "log what else acts on the rig, and record one motion twice; what differs between the two is not the drive's.",
       timesTheNoise(d));
 }
 
@@ -163,8 +162,7 @@ std::string nextExperiment(const Diagnosis& d, const PreparedLog& log) {
   if (d.verdict != DiagnosisVerdict::kNothingFound) return {};
   if (d.noise_floor <= 0.0) {
     return "The rows do not tell their own noise, so whether more is missing cannot be said: log more rows a second, "
-           "or "
-           "record one motion twice.";
+           "or record one motion twice.";
   }
   constexpr double kAtTheNoise = 1.2;
   if (timesTheNoise(d) > kAtTheNoise) {
