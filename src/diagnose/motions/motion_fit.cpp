@@ -8,10 +8,11 @@
 namespace simgap {
 namespace {
 
-constexpr int kSearches = 3, kPlaces = 7;  // along a cause, each four times as fine as the one before
-constexpr std::size_t kSome = 4;           // motions to look around with
-constexpr double kFarFromPrior = 4.0;      // [sd]: of some hundred parameters none is by chance
-constexpr double kFirstDifference = 0.1;   // of derivatives, in prior standard deviations
+constexpr int kSearches = 3;  // along a cause, each four times as fine as the one before
+constexpr int kBeside = 3, kPlaces = 2 * kBeside + 1;
+constexpr std::size_t kSome = 4;          // motions to look around with
+constexpr double kFarFromPrior = 4.0;     // [sd]: of some hundred parameters none is by chance
+constexpr double kFirstDifference = 0.1;  // of derivatives, in prior standard deviations
 
 /// The cause's parameters stand behind the ordinary ones, before the capture's delay.
 Eigen::VectorXd withRoom(const Eigen::VectorXd& z, Eigen::Index room) {
@@ -160,7 +161,7 @@ void MotionCauseFit::searchAlong(Eigen::Index i) {
       least = objectives[best];
     }
     if (best + 1 < kPlaces) spacing *= 0.25;  // else it may be larger still
-    from = found[i] - static_cast<double>(kPlaces / 2) * spacing;
+    from = found[i] - kBeside * spacing;
   }
   if (least < kInfinity && moveTo(found)) fitRobustScale(*posterior_, here_.z, here_.at);
 }
