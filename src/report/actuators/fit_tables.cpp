@@ -16,7 +16,7 @@ std::string targetUnit(const Json& result) { return unitTitle(splitUnit(result.a
 
 /// How the search went; empty without one over several starts.
 std::string searchText(const Json& starts) {
-  const long tried = starts.at("tried");
+  const long tried = wholeNumber(starts.at("tried"));
   if (tried <= 1) return {};
   return fmt::format("{} starts over the whole box, {} distinct local minima", tried,
                      wholeNumber(starts.at("distinct_minima")));

@@ -157,7 +157,7 @@ Table validationErrors(const Json& result) {
   Table table{"Mean joint errors [deg]", {""}, {}};
   const Json mje = ofAllJoints(result, "mje"), paper = ofAllJoints(result, "paper_mje");
   for (const auto& [joint, degrees] : mje.items()) table.header.push_back(joint);
-  const long valid = result.at("valid_poses");
+  const long valid = wholeNumber(result.at("valid_poses"));
   table.rows = {errorRow(fmt::format("mean joint error [deg], {} of {} poses", valid, result.at("poses").size()), mje)};
   if (paper != mje) table.rows.push_back(errorRow(kPaperAngles, paper));
   return table;

@@ -166,7 +166,8 @@ PageVerdict verdictOf(const ResultFiles& files) {
     return {kBad, kept ? "worse than the start" : "not valid", failure->get<std::string>(), again};
   }
   const Json counts = result.at("valid_poses").at(set);
-  const long of = counts.at("of"), valid = counts.value("final", of);
+  const long of = wholeNumber(counts.at("of"));
+  const long valid = counts.contains("final") ? wholeNumber(counts.at("final")) : of;
   if (valid < of) {
     return {kDoubtful, fmt::format("{} of {} poses valid", valid, of),
             "The means leave out the poses in which the arm does not come to rest.",
