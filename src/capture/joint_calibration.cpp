@@ -161,12 +161,13 @@ FunctionalJoint calibrateJoint(const CaptureJoint& joint, const std::vector<Moti
   }
   const bool revolute = kindOf(joint.type).has_axis;
   const Eigen::Vector3d spread = rotationSpread(poses);
-  result.range = 4.0 * (revolute ? spread[2] : spread[1]);
-  if (revolute && 4.0 * spread[1] > options.min_range) {
+  const double about_second = 4.0 * spread[1];
+  result.range = revolute ? 4.0 * spread[2] : about_second;
+  if (revolute && about_second > options.min_range) {
     throw DataError(
         fmt::format("joint {}: its target turns by {:.1f} deg about a second axis, expected a revolute joint, which "
                     "turns about one",
-                    joint.name, toDegrees(4.0 * spread[1])));
+                    joint.name, toDegrees(about_second)));
   }
 
   const CentreEquations equations(poses);

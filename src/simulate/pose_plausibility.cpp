@@ -99,13 +99,11 @@ void refusePosesOutOfReach(const ArmModel& model, const PoseSet& set) {
 /// Rotation vectors of a ball, measured x and the model's y.
 struct TurnsOfABall {
   double products = 0.0, measured = 0.0, of_model = 0.0;  ///< sums over poses of x y, x^2, y^2
-  int poses = 0;
   void add(const Eigen::Quaterniond& read, const Eigen::Quaterniond& meant) {
     const Eigen::Vector3d x = logSo3(read), y = logSo3(meant);
     products += x.dot(y);
     measured += x.squaredNorm();
     of_model += y.squaredNorm();
-    ++poses;
   }
   double correlation() const { return products / std::sqrt(std::max(measured * of_model, 1e-300)); }
 };
@@ -187,7 +185,7 @@ void refuseJointsInRadians(const ArmModel& model, const PoseSet& set, const Read
 void refuseInvertedQuaternions(const ArmModel& model, const PoseSet& set, const Readings& readings) {
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const TurnsOfABall& ball = readings.balls[j];
-    if (static_cast<std::size_t>(ball.poses) < kFewestTold || !(ball.correlation() < -kGoesWith)) continue;
+    if (readings.measured[j].size() < kFewestTold || !(ball.correlation() < -kGoesWith)) continue;
     const std::string& name = model.joints[j].name;
     throw DataError(fmt::format(
         "{}: {}_qw, {}_qx, {}_qy, {}_qz: found turns against the model's (correlation {:.2f}), expected how the child "
