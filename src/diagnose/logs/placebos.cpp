@@ -32,25 +32,27 @@ std::vector<Index> countedRows(const LogSearch& search, const VectorXd& residual
 
 /// What the model's other parameters have learnt: projections on their columns B by the normal matrix B^T B.
 struct Others {
-  MatrixXd columns;              ///< B, shape (n, P)
-  Eigen::LDLT<MatrixXd> normal;  ///< of B^T B, a touch of ridge for columns that say nothing
+  MatrixXd columns;              ///< B, shape (n, P), each of length 1: units must not decide which the ridge takes
+  Eigen::LDLT<MatrixXd> normal;  ///< of B^T B, a touch of ridge for columns that say what others say
   VectorXd residual;             ///< r, shape (n)
   VectorXd onto;                 ///< (B^T B)^-1 B^T r
 
   explicit Others(MatrixXd b, VectorXd r) : columns(std::move(b)), residual(std::move(r)) {
+    columns.colwise().normalize();
     MatrixXd gram = columns.transpose() * columns;
-    gram.diagonal().array() += 1e-9 * gram.diagonal().maxCoeff() + 1e-300;
+    gram.diagonal().array() += 1e-9;
     normal.compute(gram);
     onto = normal.solve(columns.transpose() * residual);
   }
 
   /// Share of r^T r that the columns `own` explain beyond B: with O' = O - B (B^T B)^-1 B^T O and g = O'^T r,
   /// g^T (O'^T O')^-1 g / r^T r.
-  double gain(const MatrixXd& own) const {
+  double gain(MatrixXd own) const {
+    own.colwise().normalize();
     const MatrixXd cross = columns.transpose() * own;
     MatrixXd gram = own.transpose() * own - cross.transpose() * normal.solve(cross);
     const VectorXd g = own.transpose() * residual - cross.transpose() * onto;
-    gram.diagonal().array() += 1e-12 * std::max(gram.diagonal().maxCoeff(), 1e-300);
+    gram.diagonal().array() += 1e-12;
     return g.dot(gram.ldlt().solve(g)) / std::max(residual.squaredNorm(), 1e-300);
   }
 };
