@@ -89,6 +89,37 @@ TEST(Placebos, BelongToNoMotion) {
   EXPECT_EQ(phaseRandomised(x, 0, 1), phaseRandomised(x, 0, 1));
 }
 
+/// Share of the squared error on the training blocks that the model loses with the effect, and what the placebos'
+/// linear step says of it. The effect has to be linear in what is left of it.
+struct LinearGain {
+  double fitted = 0.0, linear = 0.0;
+};
+
+LinearGain gainOfAsymmetry(double metres_per_radian) {
+  std::string csv = "time_s,position_m,velocity_m_s,external_force_N,motor_force_N\n";
+  for (int i = 0; i < 6000; ++i) {
+    const double t = i / kRowRate, w = 4.0 * std::sin(2.1 * t), angle = -4.0 / 2.1 * std::cos(2.1 * t);
+    const double load = 0.5 * std::sin(0.9 * t), away = t - 0.01 * (w > 0.0 ? 1.0 : -1.0);
+    csv +=
+        fmt::format("{:.2f},{:.12g},{:.12g},{:.6f},{:.6f}\n", t, metres_per_radian * angle, metres_per_radian * w, load,
+                    load + std::tanh(9.0 * w) + 0.1 * w + 0.02 * std::abs(w) + 0.01 * std::cos(1e3 * away * t));
+  }
+  const PreparedLog log = prepareLog(CsvTable::parse(csv, "log.csv"), {}, ActuatorKind::kFriction);
+  const LogDiagnosisOptions options;
+  const LogSearch search(friction::find("coulomb"), log.data, splitLog(log, options).training, options);
+  const Fitted rest = search.fit({}, nullptr), full = search.fit({&actuator_effects::find("viscous-asymmetry")}, &rest);
+  const auto error = [&](const Fitted& fitted) { return search.errors(fitted, search.training()).mse(); };
+  return {1.0 - error(full) / error(rest), testPlacebos(search, full, rest, 0, 1).gain};
+}
+
+TEST(Placebos, GainOfACauseIsWhatItExplainsInAnyUnit) {
+  for (const double metres_per_radian : {1.0, 1e-3, 1e-4}) {
+    const LinearGain gain = gainOfAsymmetry(metres_per_radian);
+    EXPECT_GT(gain.fitted, 0.2) << metres_per_radian;
+    EXPECT_NEAR(gain.linear, gain.fitted, 0.02) << metres_per_radian;
+  }
+}
+
 TEST(Placebos, TakeAnyLength) {
   for (const Eigen::Index n : {2, 7, 101, 997}) EXPECT_TRUE(phaseRandomised(slowSignal(n), 0, 1).allFinite()) << n;
 }
