@@ -157,6 +157,11 @@ void LinkTree::attachChildren(const std::string& link) {
   }
 }
 
+std::optional<std::pair<int, Eigen::Isometry3d>> LinkTree::placeOf(const std::string& link) const {
+  const auto found = places_.find(link);
+  return found == places_.end() ? std::nullopt : std::optional(found->second);
+}
+
 void LinkTree::follow(const LinkJoint& joint) {
   if (joint.leader.empty()) return;
   const auto index = [&](const std::string& name) {

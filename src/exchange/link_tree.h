@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -42,6 +43,8 @@ class LinkTree {
   /// \throws DataError: no tree, or nothing that moves
   ArmModel build(ArmModel arm);
   const ArmPlaces& places() const { return arm_places_; }
+  /// Of a link in the arm that was built: its body, and its frame in that body. Empty: there is none of that name
+  std::optional<std::pair<int, Eigen::Isometry3d>> placeOf(const std::string& link) const;
 
  private:
   [[noreturn]] void fail(const std::string& sentence) const;

@@ -238,6 +238,8 @@ class MjcfArm {
       if (++pulling > 1) {
         xml_.add(fmt::format("{} '{}'", actuator.tag, abridged(actuator.name)),
                  "left out: another one pulls the same tendon", true, actuator.place);
+      } else if (!tendon.joints.empty() && pushes(actuator)) {
+        addLineDrive(tendon, actuator, lineDrive(actuator, path, offset, xml_));
       } else {
         addMuscle(tendon, path, actuator, length, offset);
       }
@@ -281,16 +283,27 @@ class MjcfArm {
     arm_.tendons.push_back(passive);
   }
 
+  void nameAsTendon(const MjcfActuator& actuator, const std::string& name) {
+    if (actuator.name.empty() || actuator.name == name) return;
+    xml_.add(fmt::format("actuator '{}'", abridged(actuator.name)),
+             fmt::format("called '{}' here, as the tendon that it acts on", abridged(name)), false, actuator.place);
+  }
+
+  /// Gears and rods between joints push as well as they pull; a line between points is a cord that only pulls.
+  void addLineDrive(const MjcfTendon& tendon, const MjcfActuator& actuator, PassiveTendon drive) {
+    drive.name = tendon.line;
+    nameAsTendon(actuator, drive.name);
+    if (tendon.stiffness == 0.0) drive.p[2] += tendon.damping;
+    places_["tendons " + drive.name] = tendon.place;
+    arm_.tendons.push_back(std::move(drive));
+  }
+
   void addMuscle(const MjcfTendon& tendon, const TendonPath& path, const MjcfActuator& actuator, double length,
                  double offset) {
     Muscle muscle = placeholderMuscle(length);
     static_cast<TendonPath&>(muscle) = path;
     muscle.name = tendon.line;
-    if (!actuator.name.empty() && actuator.name != muscle.name) {
-      xml_.add(fmt::format("actuator '{}'", abridged(actuator.name)),
-               fmt::format("called '{}' here, as the tendon that it pulls", abridged(muscle.name)), false,
-               actuator.place);
-    }
+    nameAsTendon(actuator, muscle.name);
     arm_.motor_defaults = muscle.motor;
     arm_.gearbox_defaults = muscle.gearbox;
     const double stiffness = -actuator.gear * actuator.gear * actuator.bias[1];
@@ -354,7 +367,7 @@ class MjcfArm {
       return xml_.add(fmt::format("{} (actuator of a joint)", actuator.tag), fmt::format("left out: {}", why), true,
                       actuator.place);
     }
-    PassiveTendon drive = jointDrive(actuator, joint, reference, xml_);
+    PassiveTendon drive = jointDrive(actuator, arm_.joints[joint], joint, reference, xml_);
     drive.name = actuator.drive;
     places_["tendons " + drive.name] = actuator.place;
     arm_.tendons.push_back(std::move(drive));

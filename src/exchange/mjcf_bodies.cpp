@@ -288,6 +288,8 @@ class Bodies {
       robot_.surfaces[name] = {"",         file_.xml().place(node.xml()), body,
                                geom.frame, geom.type == "cylinder",       geom.size.x()};
     }
+    const auto bits = [&](const char* attribute) { return static_cast<int>(node.number(attribute, 1.0)); };
+    robot_.geoms.push_back({body, bits("contype"), bits("conaffinity"), file_.xml().place(node.xml())});
     const std::vector<double>& groups = file_.compiler().inertia_groups;
     const double group = node.number("group", 0.0);
     const double density = node.nonNegative("density", kWaterDensity);
@@ -364,6 +366,12 @@ MassProperties addMass(const MassProperties& a, const MassProperties& b) {
   return sum;
 }
 
+/// Moments of which one is more than the others together belong to no body: their mean, as in MuJoCo.
+void balance(MassProperties& mass) {
+  const Eigen::Vector3d moments = symmetricEigen(mass.inertia).values;
+  if (moments[2] > moments[0] + moments[1]) mass.inertia = moments.mean() * Eigen::Matrix3d::Identity();
+}
+
 void readMjcfBodies(MjcfFile& file, MjcfRobot& robot) {
   Bodies bodies(file, robot);
   for (const MjcfNode& world : file.sections("worldbody")) bodies.readWorld(world);
@@ -380,6 +388,7 @@ void readMjcfBodies(MjcfFile& file, MjcfRobot& robot) {
         body.mass.inertia = principal.vectors * moments.asDiagonal() * principal.vectors.transpose();
       }
     }
+    if (compiler.balance_inertia) balance(body.mass);
     total += body.mass.mass;
   }
   setSpringDampers(robot);  // as in MuJoCo, before masses are scaled

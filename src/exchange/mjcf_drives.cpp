@@ -5,43 +5,73 @@
 #include "mjcf_robot.h"
 
 namespace simgap {
+namespace {
+
+std::string wordsOf(const MjcfActuator& actuator) {
+  return fmt::format("{} (actuator of a {})", actuator.tag, actuator.tendon.empty() ? "joint" : "tendon");
+}
+
+void nameForceRange(const MjcfActuator& actuator, XmlRobot& xml) {
+  if (actuator.force_range)
+    xml.add("actuator forcerange", "left out: no limit of a drive's force", true, actuator.place);
+}
+
+/// gear (gain u + b0 + b1 gear q + b2 gear dq/dt) is stiffness (target + offset - q) - damping dq/dt.
+/// \param reference  MuJoCo's q less ours
+PassiveTendon servo(const MjcfActuator& actuator, std::string_view kind, double reference, XmlRobot& xml) {
+  const auto [b0, b1, b2] = actuator.bias;
+  const double square = actuator.gear * actuator.gear, scale = -b1 * actuator.gear, target = actuator.gain / scale;
+  PassiveTendon drive;
+  drive.kind = tendonKind(kind);
+  drive.p = {-b1 * square, 0.0 + b0 / scale - reference, 0.0 - b2 * square};
+  xml.add(wordsOf(actuator),
+          target == 1.0 ? std::string("a servo whose target is the control")
+                        : fmt::format("a servo whose target is {:.6g} of the control", target),
+          target != 1.0, actuator.place);
+  nameForceRange(actuator, xml);
+  return drive;
+}
+
+}  // namespace
 
 std::string_view notDriven(const MjcfActuator& actuator, const JointKind& joint) {
   const auto [b0, b1, b2] = actuator.bias;
   if (!joint.has_axis) return "the joint has no axis";
-  if (joint.slides) return "slides have no drives here";
   if (!actuator.affine) return "its law is neither a motor's nor a position servo's";
   if (actuator.gear == 0.0 || actuator.gain == 0.0) return "its control moves nothing";
   if (b1 > 0.0 || b2 > 0.0) return "its bias drives the joint away";
   if (b1 == 0.0 && b2 != 0.0) return "it holds a velocity: only motors and position servos are modelled";
+  if (b1 == 0.0 && joint.slides) return "slides have no motors here, only position servos";
   return b1 == 0.0 && b0 != 0.0 ? "a constant torque beside its control: only motors and position servos are modelled"
                                 : "";
 }
 
-PassiveTendon jointDrive(const MjcfActuator& actuator, int joint, double reference, XmlRobot& xml) {
-  const std::string what = fmt::format("{} (actuator of a joint)", actuator.tag);
+bool pushes(const MjcfActuator& actuator) {
+  const bool servo = actuator.affine && actuator.gear != 0.0 && actuator.bias[1] < 0.0 && actuator.bias[2] <= 0.0;
+  return servo && (!actuator.force_range || (*actuator.force_range)[1] > 0.0);
+}
+
+PassiveTendon lineDrive(const MjcfActuator& actuator, const TendonPath& path, double offset, XmlRobot& xml) {
+  PassiveTendon drive = servo(actuator, "line-servo", offset, xml);
+  static_cast<TendonPath&>(drive) = path;
+  return drive;
+}
+
+PassiveTendon jointDrive(const MjcfActuator& actuator, const Joint& joint, int index, double reference, XmlRobot& xml) {
   PassiveTendon drive;
-  Station wheel;
-  wheel.kind = Station::Kind::kJoint;
-  wheel.joint = joint;
-  wheel.radius = 1.0;
-  drive.between = {wheel};
-  const auto [b0, b1, b2] = actuator.bias;
-  if (b1 == 0.0) {
+  if (actuator.bias[1] != 0.0) {
+    drive = servo(actuator, joint.slides() ? "line-servo" : "joint-servo", reference, xml);
+  } else {
     drive.kind = tendonKind("joint-motor");
     drive.p = {1.0, actuator.gear * actuator.gain, 1.0, 0.0};
-    xml.add(what, "a motor whose current in A is the control", false, actuator.place);
-  } else {
-    drive.kind = tendonKind("joint-servo");
-    const double square = actuator.gear * actuator.gear, scale = -b1 * actuator.gear;
-    drive.p = {-b1 * square, 0.0 + b0 / scale - reference, 0.0 - b2 * square};
-    const double target = actuator.gain / scale;
-    xml.add(what,
-            target == 1.0 ? std::string("a servo whose target is the control")
-                          : fmt::format("a servo whose target is {:.6g} of the control", target),
-            target != 1.0, actuator.place);
+    xml.add(wordsOf(actuator), "a motor whose current in A is the control", false, actuator.place);
+    nameForceRange(actuator, xml);
   }
-  if (actuator.force_range) xml.add("actuator forcerange", "left out: no limit of a torque", true, actuator.place);
+  Station wheel;
+  wheel.kind = Station::Kind::kJoint;
+  wheel.joint = index;
+  wheel.radius = 1.0;
+  drive.between = {wheel};
   return drive;
 }
 

@@ -143,6 +143,7 @@ void MjcfFile::readCompiler() {
       if (compiler_.inertia_groups.size() != 2) node.fail("inertiagrouprange: expected two numbers");
     }
     compiler_.total_mass = node.number("settotalmass", compiler_.total_mass);
+    compiler_.balance_inertia = node.flag("balanceinertia", compiler_.balance_inertia);
     compiler_.least_mass = node.nonNegative("boundmass", compiler_.least_mass);
     compiler_.least_inertia = node.nonNegative("boundinertia", compiler_.least_inertia);
     if (const char* coordinate = node.find("coordinate"); coordinate && std::string(coordinate) != "local") {

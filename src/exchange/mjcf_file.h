@@ -86,6 +86,7 @@ class MjcfFile {
     std::string inertia_from_geom = "auto";
     std::vector<double> inertia_groups = {0, 5};
     double total_mass = -1.0;
+    bool balance_inertia = false;
     double least_mass = 0.0, least_inertia = 0.0;
   };
   const Compiler& compiler() const { return compiler_; }

@@ -47,6 +47,11 @@ struct MjcfSite {
   int body = -1;  ///< -1: the world
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
 };
+struct MjcfGeom {
+  int body = -1;  ///< -1: the world
+  int contype = 1, conaffinity = 1;
+  std::string place;
+};
 struct MjcfSurface {
   std::string name;  ///< in the arm
   std::string place;
@@ -101,6 +106,8 @@ struct MjcfRobot {
   std::string name;
   Eigen::Vector3d gravity = {0.0, 0.0, -kEarthGravity};
   std::vector<MjcfBody> bodies;  ///< parents before children
+  bool contacts = true;          ///< MuJoCo computes them
+  std::vector<MjcfGeom> geoms;
   std::map<std::string, MjcfSite> sites;
   std::map<std::string, MjcfSurface> surfaces;
   /// "site pin": what stands in bodies that float beside the robot and are left out, and what depends on it.
@@ -126,7 +133,13 @@ void nameMjcfParts(MjcfRobot& robot, XmlRobot& xml);
 std::string_view notDriven(const MjcfActuator& actuator, const JointKind& joint);
 /// MuJoCo's torque of an affine actuator, gear (gain ctrl + b0 + b1 gear q + b2 gear dq/dt): a motor without bias, a
 /// servo with b1 < 0, without a name. Its q counts from the joint's reference.
-PassiveTendon jointDrive(const MjcfActuator& actuator, int joint, double reference, XmlRobot& xml);
+PassiveTendon jointDrive(const MjcfActuator& actuator, const Joint& joint, int index, double reference, XmlRobot& xml);
+/// Whether an actuator of a tendon is a servo that pushes, too.
+bool pushes(const MjcfActuator& actuator);
+/// The same of a servo along a line. \param offset  MuJoCo's length less ours
+PassiveTendon lineDrive(const MjcfActuator& actuator, const TendonPath& path, double offset, XmlRobot& xml);
+/// A remark for every geom that may touch another.
+void nameContacts(const MjcfRobot& robot, XmlRobot& xml);
 /// Adds one body's mass to what is known of it, both in the same frame.
 MassProperties addMass(const MassProperties& a, const MassProperties& b);
 /// Mass properties of a shape in another frame.

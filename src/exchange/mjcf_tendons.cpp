@@ -170,7 +170,9 @@ MjcfRobot readMjcfRobot(MjcfFile& file) {
     bool none = false;
     for (const MjcfNode& flag : option.children()) {
       none = none || flag.text("gravity") == "disable";
-      for (const char* part : {"equality", "limit", "spring", "damper", "passive", "actuation", "frictionloss"}) {
+      robot.contacts = robot.contacts && flag.text("contact") != "disable" && flag.text("constraint") != "disable";
+      for (const char* part :
+           {"constraint", "equality", "limit", "spring", "damper", "passive", "actuation", "frictionloss"}) {
         if (flag.text(part) == "disable") flag.remark(part, "left out: what the model states acts");
       }
     }
@@ -178,6 +180,7 @@ MjcfRobot readMjcfRobot(MjcfFile& file) {
     option.remarkAll("option", "how MuJoCo solves, not what: left out but for gravity", false);
   }
   readMjcfBodies(file, robot);
+  if (robot.contacts) nameContacts(robot, file.xml());
   readMjcfTendons(file, robot);
   readMjcfActuators(file, robot);
   nameMjcfParts(robot, file.xml());

@@ -259,6 +259,10 @@ class MjcfWriter {
     const bool elastic = kind == "ligament" || kind == "spring";
     if (tendon.kind->at_joint) {
       writeJointDrive(tendon);
+    } else if (kind == "line-servo") {
+      if (writePath(tendon, tendon.name, "")) {
+        writeActuator(tendon.name, p[0], {p[0] * p[1], -p[0], -p[2]}, false);
+      }
     } else if (!elastic && kind != "constant-force") {
       remarks_.add(fmt::format("'{}' ({})", tendon.name, kind), "left out: MJCF has no such line");
     } else if (elastic && p[0] >= 0.0) {

@@ -8,6 +8,7 @@
 
 #include "arm_exchange.h"
 #include "link_tree.h"
+#include "sdf_muscles.h"
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/core/rotation.h"
@@ -21,7 +22,6 @@ constexpr double kSdfUnlimited = 1e6;  // [rad] or [m]: SDF writes 1e16 where no
 
 const std::map<std::string, std::string> kIgnoredInSdf = {
     {"visual", "looks: left out"},
-    {"collision", "contacts are not modelled: left out"},
     {"sensor", "a sensor: left out"},
     {"light", "looks: left out"},
     {"plugin", "for a simulator: left out"},
@@ -62,6 +62,7 @@ class SdfArm {
     }
     tree_.placeBase(placed_);
     arm_ = tree_.build(std::move(arm_));
+    readSdfMuscles(model, tree_, xml_, arm_);
     std::vector<ExchangeRemark> remarks = xml_.finish(kIgnoredInSdf);
     return {checkedArm(std::move(arm_), file_, tree_.places()), std::move(remarks)};
   }
@@ -107,6 +108,9 @@ class SdfArm {
   /// x y z roll pitch yaw, or with a quaternion x y z w.
   Eigen::Isometry3d poseOf(const XmlElement& element) {
     Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+    for (const char* said : {"frame", "relative_to"}) {
+      if (const char* other = element.Attribute(said); other && !*other) xml_.find(element, said);  // its usual one
+    }
     std::vector<double> v = xml_.numbers(element, "pose", textOf(element));
     const char* const format = xml_.find(element, "rotation_format");
     const char* const degrees = xml_.find(element, "degrees");
@@ -175,7 +179,10 @@ class SdfArm {
         }
         if (const XmlElement* const pose = xml_.child(*e, "pose")) {
           frame.pose = poseOf(*pose);
-          if (const char* other = xml_.find(*pose, "relative_to"); other && *other) frame.relative_to = other;
+          // `frame` until version 1.6, `relative_to` from 1.7 on.
+          for (const char* said : {"frame", "relative_to"}) {
+            if (const char* other = xml_.find(*pose, said); other && *other) frame.relative_to = other;
+          }
         }
         const std::string name = xml_.required(*e, "name");
         if (!frames_.emplace(name, frame).second) xml_.fail(*e, fmt::format("the name '{}' is taken", abridged(name)));

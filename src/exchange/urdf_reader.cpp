@@ -16,7 +16,6 @@ namespace {
 const std::map<std::string, std::string> kIgnoredInUrdf = {
     {"visual", "looks: left out"},
     {"material", "looks: left out"},
-    {"collision", "contacts are not modelled: left out"},
     {"gazebo", "for a simulator: left out"},
     {"transmission", "for a controller: left out"},
     {"safety_controller", "for a controller: left out"},

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <numbers>
 
 #include "simgap/core/decompositions.h"
@@ -23,8 +22,10 @@ constexpr double kWidestBall = 1.0;    ///< [rad]
 constexpr double kDrawnSlide = 0.1;    ///< [m]
 constexpr double kMostPull = 0.15;     ///< of a muscle's path
 constexpr double kNoStiffness = 1e-6;  ///< [N m/rad], [N/m] that only rounding leaves
-constexpr double kNoForce = 1e-9;      ///< [N], [N m] that only rounding leaves
-constexpr double kElsewhere = 1e-6;    ///< [m], [rad] beyond what two searches for one rest leave
+constexpr double kNoMass = 1.5e-6;   ///< [kg] that MuJoCo wants of a body that moves, and no more: no centre to compare
+constexpr double kNoInertia = 1e-9;  ///< [kg m^2] below which MuJoCo may want a little more
+constexpr double kNoForce = 1e-9;    ///< [N], [N m] that only rounding leaves
+constexpr double kElsewhere = 1e-6;  ///< [m], [rad] beyond what two searches for one rest leave
 
 class Replay {
  public:
@@ -143,8 +144,9 @@ class Replay {
       if (one_.bodies[b].fixed) continue;
       const int same = bodies_[k++];
       const MassProperties ours = massProperties(one_.bodies[b]), theirs = massProperties(other_.bodies[same]);
+      if (std::max(ours.mass, theirs.mass) <= kNoMass) continue;
       const Eigen::Matrix3d inertia = inWorld(ours, here[b]);
-      const double size = std::max(inertia.norm(), std::numeric_limits<double>::min());
+      const double size = std::max(inertia.norm(), kNoInertia);
       result.mass = std::max(result.mass, std::abs(ours.mass - theirs.mass));
       result.centre =
           std::max(result.centre, (here[b] * ours.centre_of_mass - there[same] * theirs.centre_of_mass).norm());
