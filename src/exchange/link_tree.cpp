@@ -26,6 +26,9 @@ void LinkTree::addLink(const XmlElement& element, const std::string& name, const
   if (element.FirstChildElement("inertial")) stated_.insert(name);
   if (element.FirstChildElement("visual") || element.FirstChildElement("collision")) drawn_.insert(name);
   place_of_[name] = xml_.place(element);
+  for (const auto* e = element.FirstChildElement("collision"); e; e = e->NextSiblingElement("collision")) {
+    xml_.remark(*e, "collision", "left out: bodies pass through each other");
+  }
 }
 
 void LinkTree::addJoint(LinkJoint joint, const std::string& name) {

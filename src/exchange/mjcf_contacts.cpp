@@ -26,7 +26,7 @@ void nameContacts(const MjcfRobot& robot, XmlRobot& xml) {
   for (const MjcfGeom& geom : robot.geoms) {
     const auto touches = [&](const MjcfGeom& other) { return mayTouch(robot, geom, other); };
     if (std::ranges::any_of(robot.geoms, touches)) {
-      xml.add("geom that may touch another", "contacts are left out: bodies pass through each other", true, geom.place);
+      xml.add("contacts of a geom with others", "left out: bodies pass through each other", true, geom.place);
     }
   }
 }

@@ -123,6 +123,8 @@ MjcfRobot readMjcfRobot(MjcfFile& file);
 /// \name Its parts
 ///@{
 void readMjcfBodies(MjcfFile& file, MjcfRobot& robot);
+/// The compiler's bounds, balance and total mass, once all bodies are known.
+void workOutMasses(const MjcfFile::Compiler& compiler, MjcfRobot& robot);
 /// The stiffness and damping of joints that state a time constant and a damping ratio instead.
 void setSpringDampers(MjcfRobot& robot);
 void readMjcfTendons(MjcfFile& file, MjcfRobot& robot);
