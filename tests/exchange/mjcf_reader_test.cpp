@@ -213,7 +213,7 @@ TEST(MjcfReader, WhatDrivesNoHingeIsSaidToBeWhatItIs) {
   ASSERT_EQ(read.model.tendons.size(), 1U) << "of a hinge, jointinparent is joint";
   EXPECT_THAT(said("robot.xml:12"), HasSubstr("it pushes at a site"));
   EXPECT_THAT(said("robot.xml:13"), HasSubstr("it drives a slider-crank"));
-  EXPECT_THAT(said("robot.xml:14"), HasSubstr("slides have no drives"));
+  EXPECT_THAT(said("robot.xml:14"), HasSubstr("slides have no motors"));
   EXPECT_THAT(said("robot.xml:15"), HasSubstr("its law is neither a motor's nor a position servo's"));
   EXPECT_THAT(said("robot.xml:16"), HasSubstr("it holds a velocity"));
 }

@@ -48,7 +48,7 @@ TEST(Names, LinesAndDrivesShareTheirs) {
                 "<position name='elbow.' joint='elbow' kp='3'/>\n<motor joint='elbow'/>\n</actuator>\n"));
   EXPECT_EQ(namesOf(read.model.muscles), (Names{"t", "elbow"}));
   EXPECT_EQ(namesOf(read.model.tendons), (Names{"tendon_2", "t_3", "t_2", "tendon", "elbow_", "elbow_2"}));
-  EXPECT_EQ(calledHere(read, "actuator 'pull'"), "called 't' here, as the tendon that it pulls");
+  EXPECT_EQ(calledHere(read, "actuator 'pull'"), "called 't' here, as the tendon that it acts on");
   EXPECT_EQ(calledHere(read, "actuator 'elbow'"), "nothing was said");
   EXPECT_THAT(calledHere(read, "actuator 'elbow.'"), HasSubstr("called 'elbow_' here"));
   const ImportedArm taken =

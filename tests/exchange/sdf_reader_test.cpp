@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "simgap/core/error.h"
 #include "simgap/exchange/exchange.h"
 #include "simgap/model/arm/kinematics.h"
+#include "simgap/model/arm/tendon_path.h"
 #include "support/files.h"
 
 namespace simgap::test {
@@ -75,6 +77,64 @@ TEST(SdfReader, FramesStandInOneAnother) {
   EXPECT_LT((bodiesInWorld(arm, q)[1].origin - Eigen::Vector3d(0.0, -1.0, 2.0)).norm(), 1e-12);
   const Eigen::Vector3d in_world = arm.joints[0].parent_orientation * arm.joints[0].axis;
   EXPECT_LT((in_world - Eigen::Vector3d::UnitY()).norm(), 1e-12);
+}
+
+TEST(SdfReader, FramesOfPosesWereCalledFrameBefore) {
+  // sdformat turns `frame` of version 1.6 into `relative_to` of 1.7; an empty one is the usual frame, without a word.
+  for (const std::string said : {"frame", "relative_to"}) {
+    const std::string pose = "<pose " + said + "='a'>0.2 0 0 0 0 0</pose>";
+    const ImportedArm read =
+        readAll(link("a", "0 0 0.5 0 0 0") + "<link name='b'>" + pose + kMass + "</link>\n" +
+                sdfJoint("base", "fixed", "world", "a", "<pose " + said + "=''>0 0 0 0 0 0</pose>") +
+                sdfJoint("turn", "revolute", "a", "b"));
+    const std::vector<BodyInWorld> bodies = bodiesInWorld(read.model, std::vector<JointPosition>(1));
+    EXPECT_LT((bodies[1].origin - Eigen::Vector3d(0.2, 0.0, 0.5)).norm(), 1e-12) << said;
+    EXPECT_FALSE(std::ranges::any_of(read.remarks, [](const ExchangeRemark& r) { return r.matters; })) << said;
+  }
+}
+
+std::string musclesPlugin(const std::string& inner) {
+  return "<plugin filename='libmusc_plugin.so' name='musc_plugin'>\n" + inner + "</plugin>\n";
+}
+std::string myoMuscle(const std::string& name, const std::string& links) {
+  return "<myoMuscle name='" + name + "'>" + links + "</myoMuscle>\n";
+}
+std::string viaPoint(const std::string& on, const std::string& at, const std::string& type = "FIXPOINT") {
+  return "<link name='" + on + "'><viaPoint type='" + type + "'>" + at + "</viaPoint></link>\n";
+}
+std::string armWith(const std::string& plugin) {
+  return link("a", "0 0 0.5 0 0 0") + link("b", "0.2 0 0.5 0 0 1.5707963267948966") +
+         sdfJoint("base", "fixed", "world", "a", "") + sdfJoint("turn", "revolute", "a", "b") + plugin;
+}
+
+TEST(SdfMuscles, OfCardsflowRunThroughPointsOfTheirLinks) {
+  const ImportedArm read = readAll(armWith(
+      musclesPlugin(myoMuscle("m.1", viaPoint("a", "0 0 0.1") + viaPoint("b", "0.3 0 0") + viaPoint("b", "0.4 0 0")))));
+  ASSERT_EQ(read.model.muscles.size(), 1U);
+  const Muscle& muscle = read.model.muscles[0];
+  EXPECT_EQ(muscle.name, "m_1") << "a name that our files can hold";
+  ASSERT_EQ(muscle.between.size(), 1U);
+  // b's x is y of the world: (0, 0, 0.6) to (0.2, 0.3, 0.5), and 0.1 m on.
+  const std::vector<JointPosition> drawn(1);
+  EXPECT_NEAR(tendonLength(read.model, muscle, bodiesInWorld(read.model, drawn), drawn), std::sqrt(0.14) + 0.1, 1e-12);
+  EXPECT_TRUE(
+      std::ranges::any_of(read.remarks, [](const ExchangeRemark& r) { return r.what == "myoMuscle" && r.matters; }));
+  EXPECT_FALSE(std::ranges::any_of(read.remarks, [](const ExchangeRemark& r) { return r.what == "plugin"; }));
+}
+
+TEST(SdfMuscles, PointsOfOtherKindsAreNamedAndMistakesRefused) {
+  const ImportedArm read = readAll(armWith(musclesPlugin(myoMuscle(
+      "m", viaPoint("a", "0 0 0.1") + viaPoint("a", "0 0 0.2", "SPHERICAL_WRAPPING") + viaPoint("b", "0.3 0 0")))));
+  EXPECT_TRUE(read.model.muscles.at(0).between.empty());
+  EXPECT_TRUE(std::ranges::any_of(read.remarks, [](const ExchangeRemark& r) {
+    return r.what == "viaPoint of type SPHERICAL_WRAPPING" && r.matters && r.places.size() == 1;
+  }));
+  const auto refused = [](const std::string& links) {
+    return sdfRefused(armWith(musclesPlugin(myoMuscle("m", links))));
+  };
+  EXPECT_THAT(refused(viaPoint("a", "0 0 0.1")), HasSubstr("found 1 points of a line, expected two"));
+  EXPECT_THAT(refused(viaPoint("a", "0 0 0.1") + viaPoint("c", "0 0 0")), HasSubstr("found 'c', expected the name of"));
+  EXPECT_THAT(refused(viaPoint("a", "0 0") + viaPoint("b", "0 0 0")), HasSubstr("viaPoint"));
 }
 
 TEST(SdfReader, AxesOfOldFilesStandInTheModel) {

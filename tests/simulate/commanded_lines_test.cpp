@@ -61,7 +61,8 @@ TEST(CommandedLines, AllDerivativesAgreeWithDifferences) {
                {"pneumatic-muscle", kMuscle, 0.236, 4e4, 10.0},
                {"pneumatic-muscle", {6e-3, -3e-3, 1e-3, 4000.0, 0.2, 0.24, 0.0}, 0.17, 2e5, 10.0},  // never slack
                {"joint-motor", {0.03, 60.0, 0.7, 0.05}, 0.4, 1.2, 1e-4},
-               {"joint-servo", {1.5, 0.03, 0.05}, 0.4, 0.1, 1e-4}};
+               {"joint-servo", {1.5, 0.03, 0.05}, 0.4, 0.1, 1e-4},
+               {"line-servo", {900.0, 0.03, 5.0}, 0.14, 0.1, 1e-5}};
   for (const auto& c : cases) {
     SCOPED_TRACE(c.kind);
     const TendonKind& kind = kindNamed(c.kind);

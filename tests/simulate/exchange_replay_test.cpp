@@ -7,6 +7,7 @@
 
 #include "simgap/exchange/exchange.h"
 #include "simgap/model/arm/arm_yaml.h"
+#include "simgap/simulate/robot_exchange.h"
 
 namespace simgap::test {
 namespace {
@@ -100,6 +101,27 @@ muscles:
   // Kept, they count.
   const ArmModel wider = ballWith(", limits: {axis: [0, 0, 1], swing_rad: 0.9, stiffness_Nm_rad: 40}");
   EXPECT_GT(replayExchange(limited, wider, false).rest_turn, 0.1);
+}
+
+/// A body of two joints away from its origin is two bodies here, of which the first weighs nothing and has no centre.
+TEST(ExchangeReplay, WhatWeighsNothingHasNoCentreToCompare) {
+  const RobotFile two_joints = {
+      "<mujoco model='two'><worldbody><body name='a'><joint name='j1' pos='0 0 .3' axis='0 0 1'/><joint name='j2' "
+      "pos='0 0 .3' axis='0 1 0'/><geom type='capsule' fromto='0 0 .3 .1 0 .3' "
+      "size='.018'/></body></worldbody></mujoco>",
+      "two.xml"};
+  const RobotExchange urdf = exchangeRobot(two_joints, {}, "two.urdf", {});
+  EXPECT_LT(urdf.replay.centre, 1e-12);
+  EXPECT_LT(urdf.replay.way, 1e-12);
+  const RobotFile massless = {
+      "<robot name='r'><link name='world'/><link name='a'/><link name='b'><inertial><origin xyz='0.1 0 0'/><mass "
+      "value='1'/><inertia ixx='0.01' iyy='0.02' izz='0.025'/></inertial></link><joint name='j1' type='continuous'>"
+      "<parent link='world'/><child link='a'/></joint><joint name='j2' type='continuous'><origin xyz='0.2 0 0'/>"
+      "<parent link='a'/><child link='b'/></joint></robot>",
+      "r.urdf"};
+  const RobotExchange mjcf = exchangeRobot(massless, {}, "r.xml", {});
+  EXPECT_LT(mjcf.replay.inertia, 1e-9);
+  EXPECT_LT(mjcf.replay.mass, 1e-9) << "MuJoCo's milligram is none";
 }
 
 }  // namespace

@@ -135,7 +135,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"joint: follower, radius", "joint: ball, radius",
                 "'ball' is spherical, expected a joint with one axis"},
         Refused{"kind: spring", "kind: sprung",
-                "found 'sprung', expected one of constant-force, joint-motor, joint-servo, ligament, "
+                "found 'sprung', expected one of constant-force, joint-motor, joint-servo, ligament, line-servo, "
                 "pneumatic-muscle, spring"},
         Refused{"kind: constant-force\n    attachments: [{joint: hinge, radius_m: 0.02}, {joint: slide, ratio: 0.5}]\n",
                 "kind: joint-motor\n    joint: ball\n", "'ball' is spherical, expected a joint with one axis"},
