@@ -70,6 +70,21 @@ bool isAllShape(const ActuatorEffect& effect) {
   return effect.columns.empty() && std::ranges::all_of(effect.parameters, is_shape);
 }
 
+/// Of how much of an effect there is, all of it is its signature: the slope where it ended says little of what it
+/// changes from none on, as with a delay of several rows or with play, whose slope lives where the teeth meet.
+void takeWholeChanges(const Fitted& full, const VectorXd& residual, std::size_t effect, MatrixXd& jacobian) {
+  const auto& parameters = full.model->effects()[effect]->parameters;
+  const std::size_t first = full.model->firstParameter(effect);
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    if (parameters[k].kind != EffectParameter::Kind::kSmooth) continue;
+    std::vector<double> theta = full.theta;
+    theta[first + k] = parameters[k].neutral;
+    const Eigen::ArrayXd without = residualOf(full, theta).array();
+    const VectorXd change = (without != 0.0).select(without - residual.array(), 0.0);
+    if (change.squaredNorm() > 0.0) jacobian.col(static_cast<Index>(first + k)) = change;
+  }
+}
+
 constexpr double kNeighbours = 5.0;  ///< times the delay: rows whose errors are averaged, at least as many rows
 /// Of what single rows gain. A delay's errors are pulses as long as itself, of which means over five times that keep a
 /// fifth, or 0.19 as some of them are cut by the ends of a mean; noise that is read at another row keeps nothing.
@@ -168,6 +183,7 @@ PlaceboTest testPlacebos(const LogSearch& search, const Fitted& full, const Fitt
   MatrixXd jacobian, rest_jacobian;
   rest.model->evaluate(rest.theta, residual, &rest_jacobian);
   full.model->evaluate(full.theta, own_residual, &jacobian);
+  takeWholeChanges(full, own_residual, effect, jacobian);
   const std::vector<Index> rows = countedRows(search, own_residual);
   const ActuatorRegression& model = *full.model;
   std::vector<Index> own, others;
@@ -190,11 +206,6 @@ PlaceboTest testPlacebos(const LogSearch& search, const Fitted& full, const Fitt
   if (isAllShape(*model.effects()[effect])) {
     signature.conservativeResize(Eigen::NoChange, signature.cols() + 1);
     signature.rightCols(1) = own_residual(rows) - residual(rows);
-  }
-  // Nor is a delay of several rows: its derivative where it ended says little of what it changes from none on.
-  const std::vector<double> undelayed = scaled(full, effect, 0.0);
-  if (std::abs(model.delay(full.theta) - model.delay(undelayed)) > search.step()) {
-    signature = residualOf(full, undelayed)(rows) - own_residual(rows);
   }
   if (isConstant(signature)) return {0.0, 0.0, 0.0};
   test.gain = fitted.gain(signature);
