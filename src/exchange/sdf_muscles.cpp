@@ -28,7 +28,7 @@ class SdfMuscles {
   void giveMusclesNames() {
     std::vector<NameWish> wishes;
     for (std::size_t m = 0; m < said_.size(); ++m) {
-      wishes.push_back({&arm_.muscles[m].name, "muscle", said_[m].name, said_[m].place});
+      wishes.push_back({&arm_.muscles[m].name, "muscle", said_[m].name, said_[m].place, "muscle"});
     }
     std::set<std::string> taken;
     giveNames(wishes, taken, xml_);
