@@ -199,9 +199,9 @@ TEST(MjcfReader, NamesThatOurFilesCannotHoldAreFoundByThoseOfTheFile) {
                            .model;
   EXPECT_EQ(arm.joints[0].name, "j_1");
   EXPECT_EQ(arm.joints[1].leader, 0);
-  ASSERT_EQ(arm.muscles.size(), 1U);
-  EXPECT_EQ(arm.muscles[0].name, "t_1");
-  EXPECT_EQ(arm.tendons.at(0).name, "m_1");
+  ASSERT_EQ(arm.tendons.size(), 2U);
+  EXPECT_EQ(arm.tendons[0].name, "t_1");
+  EXPECT_EQ(arm.tendons[1].name, "m_1");
 }
 
 }  // namespace
