@@ -148,8 +148,9 @@ MatrixXd correlationOf(const MatrixXd& covariance) {
   return correlation;
 }
 
-/// Names of undetermined parameters, and of pairs of which only a combination is determined.
-std::vector<std::string> describe(const Uncertainty& result) {
+}  // namespace
+
+std::vector<std::string> describeUndetermined(const Uncertainty& result) {
   std::vector<std::string> sentences;
   std::string lost;
   for (const Estimate& e : result.estimates) {
@@ -176,8 +177,6 @@ std::vector<std::string> describe(const Uncertainty& result) {
   }
   return sentences;
 }
-
-}  // namespace
 
 double correlationTime(const Eigen::VectorXd& residual, std::span<const int> session) {
   constexpr double kWindow = 6.0;  // correlation times after which the sum stops
@@ -257,7 +256,7 @@ Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<co
     e.sd = kNaN;
   }
   result.correlation = correlationOf(result.covariance);
-  result.findings = describe(result);
+  result.findings = describeUndetermined(result);
   return result;
 }
 

@@ -86,6 +86,18 @@ Series frictionOf(const Motion& m) {
   return c[1] * m.way * m.moving + c[2] * m.speed;
 }
 
+/// How much viscous friction differs by direction before any of it is planted: plain least squares on rows that move.
+double ownAsymmetry(const Motion& m) {
+  Eigen::MatrixXd x = ordinary(m);
+  x.conservativeResize(Eigen::NoChange, x.cols() + 1);
+  x.rightCols(1) = m.speed.abs();
+  const Eigen::VectorXd moving = m.moving.matrix();
+  return (moving.asDiagonal() * x)
+      .eval()
+      .colPivHouseholderQr()
+      .solve(moving.cwiseProduct(m.effort.matrix()))[x.cols() - 1];
+}
+
 /// Effort that the effect of one magnitude adds.
 struct Shape {
   std::string words;
@@ -321,6 +333,7 @@ Planted plant(const PlantingPlan& plan, const LogTable& log, const std::string& 
     planted.table.columns.emplace_back(warm.begin(), warm.end());
   }
   if (!shape.stated.empty()) planted.stated = {shape.stated, shape.value.value_or(shape.unit * magnitude)};
+  if (effect == "viscous-asymmetry") planted.stated->second += ownAsymmetry(m);
   return planted;
 }
 

@@ -25,6 +25,9 @@ struct Uncertainty {
   std::vector<std::string> findings;  ///< sentences: which parameters, or combinations, the data do not determine
 };
 
+/// The sentences of `findings`: undetermined parameters, and pairs of which only a combination is determined.
+std::vector<std::string> describeUndetermined(const Uncertainty& result);
+
 /// \param session  shape (rows): correlations and blocks do not reach over sessions.
 Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<const double> theta,
                                 std::span<const int> session);

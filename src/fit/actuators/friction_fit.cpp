@@ -302,6 +302,13 @@ void holdLikelyPlaces(const FrictionModel& model, const BoxSearch& search, Frict
       e.sd = std::max(e.sd, 0.5 * (e.upper95 - e.lower95) / fit.uncertainty.quantile);
     }
   }
+  constexpr double kAnySize = 1e50;  // in no unit a drive's
+  for (Estimate& e : fit.uncertainty.estimates) {
+    if (!(e.upper95 - e.lower95 > kAnySize)) continue;
+    e.identifiable = false;
+    e.sd = e.lower95 = e.upper95 = std::nan("");
+  }
+  fit.uncertainty.findings = describeUndetermined(fit.uncertainty);
 }
 
 }  // namespace

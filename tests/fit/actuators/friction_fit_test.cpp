@@ -1,11 +1,13 @@
 #include "simgap/fit/actuators/friction_fit.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <random>
 
@@ -247,6 +249,25 @@ TEST(FrictionFit, SaysWhatTheLogCannotShow) {
   EXPECT_THAT(one_way.warnings, testing::Contains(HasSubstr("one direction")));
   EXPECT_FALSE(estimate(one_way, "k_a").identifiable && estimate(one_way, "n_c1").identifiable &&
                !estimate(one_way, "k_a").at_bound && !estimate(one_way, "n_c1").at_bound);
+}
+
+/// A propeller's bench: motion in one direction, and torque and current that both go with the square of the speed.
+TEST(FrictionFit, WhatMayHaveAnySizeIsNotDetermined) {
+  std::string csv = "time_s,external_torque_Nm,motor_current_A,motor_velocity_rad_s\n";
+  for (int session = 0; session < 3; ++session) {
+    for (int i = 0; i < 16; ++i) {
+      const double speed = 170.0 * i, up = speed / 2600.0, sway = 1.0 + 0.02 * std::sin(7.0 * i + session);
+      csv += fmt::format("{},{:.5g},{:.5g},{:.5g}\n", 6.0 * (16 * session + i), 0.106 * up * up * sway,
+                         0.02 + (2.0 * up * up + 14.0 * std::pow(up, 3.2)) * sway, speed * (1.0 - 0.01 * session));
+    }
+  }
+  const FrictionFit found =
+      fit("stribeck", prepareFrictionData(readActuatorLog(CsvTable::parse(csv, "propeller.csv"), {}), {}, {}));
+  for (const Estimate& e : found.uncertainty.estimates) {
+    if (e.identifiable) EXPECT_LT(e.upper95, 1e50) << e.name;
+  }
+  EXPECT_FALSE(estimate(found, "k_a").identifiable);
+  EXPECT_THAT(found.uncertainty.findings, testing::Contains(HasSubstr("k_a")));
 }
 
 TEST(FrictionFit, NamesTheStribeckVelocityWhenNothingIsSlow) {
