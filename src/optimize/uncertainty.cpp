@@ -136,6 +136,30 @@ double deviation(const Determined& covariance, std::size_t k) {
   return covariance.columns[k] ? std::sqrt(covariance.matrix(i, i)) : kNaN;
 }
 
+/// Where a neighbour that stands on its bound may as well stand within, an estimate would follow it to that side:
+/// d theta_i = Cov_ib / Cov_bb d theta_b, for d theta_b up to the end of the neighbour's own interval.
+/// \param all  covariance of all free parameters, in the order of `free`
+void followBounded(const LeastSquaresProblem& problem, std::span<const int> free, const Determined& all,
+                   Uncertainty& result) {
+  const Index count = std::ssize(free);
+  for (Index i = 0; i < count; ++i) {
+    Estimate& e = result.estimates[free[i]];
+    if (e.at_bound || !e.identifiable || !all.columns[i]) continue;
+    double below = std::pow(e.value - e.lower95, 2), above = std::pow(e.upper95 - e.value, 2);
+    for (Index b = 0; b < count; ++b) {
+      const Estimate& bounded = result.estimates[free[b]];
+      if (!bounded.at_bound || !bounded.identifiable || !(all.matrix(b, b) > 0.0)) continue;
+      const bool upwards = bounded.upper95 - bounded.value > bounded.value - bounded.lower95;
+      const double reach = (upwards ? bounded.upper95 : bounded.lower95) - bounded.value;
+      const double follows = all.matrix(i, b) / all.matrix(b, b) * reach;
+      (follows < 0.0 ? below : above) += follows * follows;
+    }
+    const ParameterSpec& spec = problem.parameters[free[i]];
+    e.lower95 = std::max(e.value - std::sqrt(below), spec.lower);
+    e.upper95 = std::min(e.value + std::sqrt(above), spec.upper);
+  }
+}
+
 MatrixXd correlationOf(const MatrixXd& covariance) {
   const Index count = covariance.rows();
   const VectorXd sd = covariance.diagonal().cwiseSqrt();
@@ -255,6 +279,7 @@ Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<co
     setInterval(e, problem.parameters[free[j]], deviation(all, j), t);
     e.sd = kNaN;
   }
+  followBounded(problem, free, all, result);
   result.correlation = correlationOf(result.covariance);
   result.findings = describeUndetermined(result);
   return result;

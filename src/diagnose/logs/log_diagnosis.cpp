@@ -170,6 +170,13 @@ void requireDiagnosable(const PreparedLog& log, const LogDiagnosisOptions& optio
   for (const auto& [name, driver] : {std::pair("the deflection", &rows.deflection), {"current_A", &rows.current}}) {
     if (driver->size() > 0) requireMotion(log.file, name, spanOf(*driver), spanOf(rows.effort));
   }
+  if (log.kind == ActuatorKind::kFriction) {
+    std::vector<double> efforts;
+    for (std::size_t i = 0; i < log.data.keep.size(); ++i) {
+      if (log.data.keep[i]) efforts.push_back(rows.effort[static_cast<Eigen::Index>(i)]);
+    }
+    requireMoreThanSteps(log.file, log.effort_column, efforts);
+  }
   static_cast<void>(splitLog(log, options));
 }
 

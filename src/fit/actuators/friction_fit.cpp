@@ -1,15 +1,14 @@
 #include "simgap/fit/actuators/friction_fit.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "friction_gaps.h"
 #include "friction_model.h"
-#include "friction_signs.h"
 #include "left_out_effects.h"
 #include "simgap/core/error.h"
 #include "simgap/core/statistics.h"
@@ -20,102 +19,6 @@ namespace {
 using Eigen::Index;
 
 constexpr double kRival = 1.01;  // of the lowest cost: minima that other rows could turn into the lowest
-
-/// What the log lacks for this law, as one sentence; empty when nothing.
-std::string missing(const FrictionModel& model, const FrictionData& data) {
-  const bool gain_fixed = model.parameters()[0].fixed;
-  if (data.rows() <= model.freeCount()) {
-    return fmt::format("found {} usable rows for {} parameters of {}, expected many more", data.rows(),
-                       model.freeCount(), model.law().name);
-  }
-  if (!data.hasLoad() && !gain_fixed) {
-    return "the load is 0 throughout, so k_a cannot be found: record with loads, or fix it (--fix k_a=…)";
-  }
-  if (!data.hasLoad() && model.law().needsLoad()) {
-    return fmt::format(
-        "the load is 0 throughout, so the load-dependent friction of {} cannot be found: record with "
-        "loads, or use --model coulomb or stribeck",
-        model.law().name);
-  }
-  if (!model.loadScaleKnown()) {
-    return fmt::format(
-        "neither k_a nor {} is known, and only their ratio acts on this log: fix one of them (--fix "
-        "k_a=…)",
-        fmt::join(data.rig_names, ", "));
-  }
-  return {};
-}
-
-/// Why this result is none: a channel with the wrong sign, a gain or a friction that is unbounded; empty when it is
-/// one.
-std::string degenerate(const FrictionModel& model, const FrictionData& data, std::span<const double> theta,
-                       bool predict_load) {
-  constexpr double kNothing = 1e-6;  // of what is predicted: a driving effort or load that has no part in it
-  constexpr double kBeyond = 1e3;    // times the largest effort or load: a friction that no row shows
-  const FrictionLaw& law = model.law();
-  const double load = data.totalLoad(theta.subspan(1 + law.terms.size(), data.rig_names.size())).abs().maxCoeff();
-  const double effort = data.effort.abs().maxCoeff();
-  const double driving = predict_load ? effort : load, target = predict_load ? load : effort;
-  const double gain = predict_load ? theta[0] : 1.0 / theta[0];
-  const bool no_gain = !model.parameters()[0].fixed && driving > 0.0 && gain * driving < kNothing * target;
-  const auto terms = theta.subspan(1, law.terms.size());
-  if (no_gain || std::ranges::all_of(terms, [](double value) { return value == 0.0; })) {
-    if (std::string sentence = oppositeSign(data); !sentence.empty()) return sentence;
-  }
-  if (no_gain) {
-    return fmt::format(
-        "{} does not grow with the load, so k_a cannot be found: check both channels, or fix it (--fix "
-        "k_a=…)",
-        data.effort_name);
-  }
-  const double torque = predict_load ? target : theta[0] * target;
-  for (std::size_t j = 0; j < law.terms.size(); ++j) {
-    const bool per_load = law.terms[j].basis == FrictionBasis::kLoad;
-    const bool constant = law.terms[j].basis == FrictionBasis::kDirection;
-    if (model.parameters()[1 + j].fixed || !(per_load || constant)) continue;
-    if (terms[j] * (per_load ? load : 1.0) < kBeyond * torque) continue;
-    return fmt::format(
-        "{} of {} has no bound on this log ({:.2g}): no row is slow enough to show it; record slow motion "
-        "through rest, or bound it (--bounds {}=0:…)",
-        law.terms[j].name, law.name, terms[j], law.terms[j].name);
-  }
-  return {};
-}
-
-/// Warnings about what the motion cannot show.
-std::vector<std::string> gaps(const FrictionModel& model, const FrictionData& data, std::span<const double> theta) {
-  std::vector<std::string> sentences;
-  const bool forward = (data.direction > 0.0).any(), backward = (data.direction < 0.0).any();
-  if (!forward || !backward) {
-    sentences.push_back(
-        fmt::format("all motion is in one direction: friction cannot be told from {}; record both "
-                    "directions",
-                    data.hasLoad() ? "an offset or, under a load of one sign, from k_a" : "an offset"));
-  }
-  const double first = data.load[0];
-  if (!model.parameters()[0].fixed && data.load_per.cols() == 0 && (data.load == first).all()) {
-    sentences.push_back(
-        fmt::format("the load is {:.3g} {} in every row: k_a stands on this one, and an offset of {} looks like it; "
-                    "record several loads",
-                    first, data.load_unit, data.effort_name));
-  }
-  if (!model.law().hasStribeck() || model.parameters()[model.speedIndex()].fixed) return sentences;
-  const double v_s = theta[model.speedIndex()];
-  const auto below = (data.velocity.abs() < v_s).count();
-  const auto above = (data.velocity.abs() > v_s).count();
-  if (below < 20) {
-    sentences.push_back(
-        fmt::format("only {} rows are slower than v_s = {:.3g} {}: v_s, delta and static friction are "
-                    "not determined; record slow motion through rest",
-                    below, v_s, data.velocity_unit));
-  } else if (above < 20) {
-    sentences.push_back(
-        fmt::format("only {} rows are faster than v_s = {:.3g} {}: v_s, delta and Coulomb friction are "
-                    "not determined; record faster motion, or use a law without Stribeck term",
-                    above, v_s, data.velocity_unit));
-  }
-  return sentences;
-}
 
 /// Sums over the rows of each part; parts are folds, or any split that gives every thread work.
 std::vector<StribeckMoments> sumParts(const FrictionModel& model, const Eigen::VectorXd& rig, int parts) {
@@ -222,7 +125,7 @@ LeastSquaresResult bounded(const FrictionModel& model, std::span<const Separable
                            const FrictionFitOptions& options, const LeastSquaresProblem& problem,
                            LeastSquaresResult best) {
   const auto fault = [&](const LeastSquaresResult& fit) {
-    return degenerate(model, model.data(), fit.theta, options.predict_load);
+    return degenerateFit(model, model.data(), fit.theta, options.predict_load);
   };
   const std::string sentence = fault(best);
   if (sentence.empty()) return best;
@@ -327,7 +230,7 @@ LeastSquaresProblem makeFrictionProblem(const FrictionLaw& law, const FrictionDa
 
 FrictionFit fitFriction(const FrictionLaw& law, const FrictionData& data, const FrictionFitOptions& options) {
   const FrictionModel model(law, data, options);
-  if (const std::string sentence = missing(model, data); !sentence.empty()) {
+  if (const std::string sentence = missingForLaw(model, data, options.predict_load); !sentence.empty()) {
     throw DataError(fmt::format("{}: {}", data.file, sentence));
   }
   FrictionFit fit;
@@ -356,7 +259,7 @@ FrictionFit fitFriction(const FrictionLaw& law, const FrictionData& data, const 
   allowForLeftOut(problem, data, fit);
   if (squares) holdLikelyPlaces(model, search, fit);
   if (folds >= 2) fit.mse_heldout = crossValidate(model, search.parts, search.total, fit.minima);
-  for (const std::string& sentence : gaps(model, data, fit.theta)) fit.warnings.push_back(sentence);
+  for (const std::string& sentence : motionGaps(model, data, fit.theta)) fit.warnings.push_back(sentence);
   const auto weight = data.fits_weight
                           ? std::ranges::find(fit.uncertainty.estimates, data.rig_names.front(), &Estimate::name)
                           : fit.uncertainty.estimates.end();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "simgap/core/error.h"
 #include "simgap/core/statistics.h"
@@ -39,6 +40,25 @@ bool isConstant(std::span<const double> values) {
   return std::ranges::all_of(values, [&](double value) { return value == values.front(); });
 }
 
+std::size_t differentValues(std::span<const double> values, std::size_t most) {
+  std::set<double> seen;
+  for (const double value : values) {
+    seen.insert(value);
+    if (seen.size() > most) break;
+  }
+  return seen.size();
+}
+
+void requireMoreThanSteps(const std::string& file, const std::string& name, std::span<const double> values) {
+  const std::size_t different = differentValues(values, kMostSteps);
+  if (different > kMostSteps) return;
+  throw DataError(
+      fmt::format("{}: {} takes {} different values in all rows that count, expected more than {}: a command of steps, "
+                  "which an offset and friction meet exactly, whatever acts; record what the motor draws, or commands "
+                  "that vary (ramps, sines)",
+                  file, name, different, kMostSteps));
+}
+
 void requireMotion(const std::string& file, const std::string& name, std::span<const double> values,
                    std::span<const double> driven) {
   constexpr double kSpread = 8.0;   // noise levels: more than the whole range of a rest
@@ -72,6 +92,7 @@ std::vector<std::string> checkChannels(const std::string& file, std::span<const 
                       file, name, largest, plausible));
     }
     if (low == high) continue;  // said by whoever needs the channel
+    if (differentValues(values, kMostSteps) <= kMostSteps) continue;
     for (const auto& [bound, side] : {std::pair{high, "above"}, std::pair{low, "below"}}) {
       const double share = bound == 0.0 ? 0.0 : shareAt(values, bound, kClippedRun);
       if (share < kClippedShare || comesByCounts(values, bound, kClippedRun)) continue;

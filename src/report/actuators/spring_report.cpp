@@ -124,10 +124,12 @@ FitSummary summarise(const SpringReport& report) {
   summary.target_unit = report.log.data.load_unit;
   summary.warnings = springWarnings(report);
   const Unloaded rest = unloadedDeflection(report.comparison.chosen().fit);
-  summary.facts.emplace_back(
-      report.own_length ? "rest length" : "no force at",
-      fmt::format("{}{} {}", valueText(rest.deflection, rest.sd),
-                  std::isfinite(rest.sd) ? fmt::format(" ± {:.2g}", rest.sd) : "", unitText(report)));
+  if (std::isfinite(rest.deflection)) {
+    summary.facts.emplace_back(
+        report.own_length ? "rest length" : "no force at",
+        fmt::format("{}{} {}", valueText(rest.deflection, rest.sd),
+                    std::isfinite(rest.sd) ? fmt::format(" ± {:.2g}", rest.sd) : "", unitText(report)));
+  }
   summary.transfer = report.transfer;
   return summary;
 }

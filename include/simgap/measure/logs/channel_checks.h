@@ -18,6 +18,15 @@ struct ChannelCheck {
 /// \throws DataError: a value beyond the plausible size; the sentence names the row's value and the likely cause.
 std::vector<std::string> checkChannels(const std::string& file, std::span<const ChannelCheck> channels);
 
+/// Of a command of steps, at most so many: its limits are no clipping, and a law of as many numbers meets it exactly.
+inline constexpr std::size_t kMostSteps = 6;
+
+/// How many different values there are, or one more than `most`.
+std::size_t differentValues(std::span<const double> values, std::size_t most);
+
+/// \throws DataError: an effort that takes no more values than a command of steps does
+void requireMoreThanSteps(const std::string& file, const std::string& name, std::span<const double> values);
+
 bool isConstant(std::span<const double> values);
 
 /// A log of rests says nothing.
