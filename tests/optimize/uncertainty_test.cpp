@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+#include <vector>
+
 #include "simgap/optimize/uncertainty.h"
 
 namespace simgap {
@@ -22,6 +26,43 @@ TEST(Uncertainty, APartKeepsItsOwnRowsAndColumns) {
   EXPECT_EQ(part.covariance, (Eigen::Matrix2d() << 5, 6, 6, 9).finished());
   EXPECT_EQ(part.correlation, 0.1 * part.covariance);
   EXPECT_EQ(part.n_effective, 7.0);
+}
+
+/// y = a + b x at an x that hardly varies, with b >= 0 where the rows ask for a little less.
+LeastSquaresProblem nearlyOneSpeed() {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  LeastSquaresProblem problem;
+  problem.parameters = {{"a", "1", -kInfinity, kInfinity}, {"b", "1", 0.0, kInfinity}};
+  problem.chunks = evenChunks(400);
+  problem.evaluate = [](std::span<const double> theta, const Block& rows, Eigen::Ref<Eigen::VectorXd> residual,
+                        Eigen::Ref<Eigen::MatrixXd>* jacobian) {
+    for (std::size_t i = rows.begin; i < rows.end; ++i) {
+      const auto at = static_cast<Eigen::Index>(i - rows.begin);
+      const double n = static_cast<double>(i), x = 1.0 + 0.02 * std::sin(12.9898 * n);
+      const double y = 1.0 - 0.2 * (x - 1.0) + 0.1 * std::sin(78.233 * n * n);
+      residual[at] = theta[0] + theta[1] * x - y;
+      if (jacobian != nullptr) jacobian->row(at) << 1.0, x;
+    }
+  };
+  return problem;
+}
+
+TEST(Uncertainty, AnIntervalFollowsANeighbourOnItsBound) {
+  const LeastSquaresProblem problem = nearlyOneSpeed();
+  const LeastSquaresResult found = minimise(problem, {0.5, 0.5});
+  ASSERT_EQ(found.theta[1], 0.0);
+  const Uncertainty all = estimateUncertainty(problem, found.theta, std::vector<int>(400, 0));
+  const Estimate &a = all.estimates[0], &b = all.estimates[1];
+  ASSERT_TRUE(b.at_bound);
+  ASSERT_GT(b.upper95, 0.1);
+  // With b at the end of its interval a lies lower by as much, and nothing moves it up.
+  EXPECT_LE(a.lower95, a.value - 0.99 * b.upper95);
+  EXPECT_LT(a.upper95, a.value + 0.05);
+  LeastSquaresProblem alone = problem;
+  alone.parameters[1].fixed = true;
+  const Estimate fixed = estimateUncertainty(alone, found.theta, std::vector<int>(400, 0)).estimates[0];
+  EXPECT_NEAR(a.upper95, fixed.upper95, 1e-12);
+  EXPECT_GT(a.value - a.lower95, 5.0 * (fixed.value - fixed.lower95)) << "held at its bound b hides what a may be";
 }
 
 }  // namespace
