@@ -28,7 +28,7 @@ TEST(Uncertainty, APartKeepsItsOwnRowsAndColumns) {
   EXPECT_EQ(part.n_effective, 7.0);
 }
 
-/// y = a + b x at an x that hardly varies, with b >= 0 where the rows ask for a little less.
+/// y = a + b x at an x that hardly varies, with b >= 0 where the rows ask for less.
 LeastSquaresProblem nearlyOneSpeed() {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   LeastSquaresProblem problem;
@@ -39,7 +39,7 @@ LeastSquaresProblem nearlyOneSpeed() {
     for (std::size_t i = rows.begin; i < rows.end; ++i) {
       const auto at = static_cast<Eigen::Index>(i - rows.begin);
       const double n = static_cast<double>(i), x = 1.0 + 0.02 * std::sin(12.9898 * n);
-      const double y = 1.0 - 0.2 * (x - 1.0) + 0.1 * std::sin(78.233 * n * n);
+      const double y = 1.0 - 1.0 * (x - 1.0) + 0.1 * std::sin(78.233 * n * n);
       residual[at] = theta[0] + theta[1] * x - y;
       if (jacobian != nullptr) jacobian->row(at) << 1.0, x;
     }
