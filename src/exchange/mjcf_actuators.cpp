@@ -115,18 +115,18 @@ void nameControlLimits(const MjcfNode& node) {
 }
 
 /// Groups of actuators that are switched off.
-std::set<int> disabledGroups(MjcfFile& file) {
-  std::set<int> groups;
+std::set<std::int64_t> disabledGroups(MjcfFile& file) {
+  std::set<std::int64_t> groups;
   for (const MjcfNode& option : file.sections("option")) {
     const std::vector<double> said = option.numbers("actuatorgroupdisable");
     if (!option.has("actuatorgroupdisable")) continue;
     groups.clear();
-    for (const double group : said) groups.insert(static_cast<int>(group));
+    for (const double group : said) groups.insert(static_cast<std::int64_t>(group));
   }
   return groups;
 }
 
-void readActuator(MjcfFile& file, const MjcfNode& node, const std::set<int>& disabled, MjcfRobot& robot) {
+void readActuator(MjcfFile& file, const MjcfNode& node, const std::set<std::int64_t>& disabled, MjcfRobot& robot) {
   MjcfActuator actuator;
   actuator.tag = node.tag();
   actuator.name = node.newName("actuator");
@@ -140,7 +140,7 @@ void readActuator(MjcfFile& file, const MjcfNode& node, const std::set<int>& dis
   if (robot.loose.contains("tendon " + actuator.tendon) || robot.loose.contains("joint " + actuator.joint)) {
     return node.remarkAll(actuator.tag + " (actuator)", "left out: it moves a loose body that is left out");
   }
-  if (disabled.contains(static_cast<int>(node.number("group", 0.0)))) {
+  if (disabled.contains(static_cast<std::int64_t>(node.number("group", 0.0)))) {
     return node.remarkAll(actuator.tag + " (actuator)",
                           "left out: its group is switched off (option actuatorgroupdisable)", false);
   }
@@ -155,7 +155,7 @@ void readActuator(MjcfFile& file, const MjcfNode& node, const std::set<int>& dis
 }  // namespace
 
 void readMjcfActuators(MjcfFile& file, MjcfRobot& robot) {
-  const std::set<int> disabled = disabledGroups(file);
+  const std::set<std::int64_t> disabled = disabledGroups(file);
   for (const MjcfNode& section : file.sections("actuator")) {
     for (const MjcfNode& node : section.children()) readActuator(file, node, disabled, robot);
   }

@@ -287,7 +287,7 @@ class Bodies {
       robot_.surfaces[name] = {"",         file_.xml().place(node.xml()), body,
                                geom.frame, geom.type == "cylinder",       geom.size.x()};
     }
-    const auto bits = [&](const char* attribute) { return static_cast<int>(node.number(attribute, 1.0)); };
+    const auto bits = [&](const char* attribute) { return static_cast<std::int64_t>(node.number(attribute, 1.0)); };
     robot_.geoms.push_back({body, bits("contype"), bits("conaffinity"), file_.xml().place(node.xml())});
     const std::vector<double>& groups = file_.compiler().inertia_groups;
     const double group = node.number("group", 0.0);

@@ -2,6 +2,7 @@
 /// What an MJCF file says, in SI units and radians and with its defaults and frames worked out, before it is an arm.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,8 +49,8 @@ struct MjcfSite {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
 };
 struct MjcfGeom {
-  int body = -1;  ///< -1: the world
-  int contype = 1, conaffinity = 1;
+  int body = -1;                              ///< -1: the world
+  std::int64_t contype = 1, conaffinity = 1;  ///< bits
   std::string place;
 };
 struct MjcfSurface {

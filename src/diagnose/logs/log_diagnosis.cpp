@@ -93,10 +93,10 @@ void takeOutRows(const ActuatorModel& subject, const LogSearch& search, Prepared
   for (const DataFault& fault : takeOutSpikes(log, residualOf(first), flipped)) d.faults.push_back(fault);
 }
 
-std::vector<double> keptOf(const PreparedLog& log, const Eigen::VectorXd& residual) {
+std::vector<double> keptOf(const PreparedLog& log, const Eigen::VectorXd& values) {
   std::vector<double> kept;
-  for (Eigen::Index i = 0; i < residual.size(); ++i) {
-    if (log.data.keep[i]) kept.push_back(residual[i]);
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    if (log.data.keep[i]) kept.push_back(values[i]);
   }
   return kept;
 }
@@ -171,11 +171,7 @@ void requireDiagnosable(const PreparedLog& log, const LogDiagnosisOptions& optio
     if (driver->size() > 0) requireMotion(log.file, name, spanOf(*driver), spanOf(rows.effort));
   }
   if (log.kind == ActuatorKind::kFriction) {
-    std::vector<double> efforts;
-    for (std::size_t i = 0; i < log.data.keep.size(); ++i) {
-      if (log.data.keep[i]) efforts.push_back(rows.effort[static_cast<Eigen::Index>(i)]);
-    }
-    requireMoreThanSteps(log.file, log.effort_column, efforts);
+    requireMoreThanSteps(log.file, log.effort_column, keptOf(log, rows.effort.matrix()));
   }
   static_cast<void>(splitLog(log, options));
 }
