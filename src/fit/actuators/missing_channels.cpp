@@ -57,6 +57,29 @@ void settleUnloaded(const MotorLog& log, DriveFitOptions& options, std::vector<s
   }
 }
 
+/// A motor that is switched off coasts; the winding's equation takes a voltage of 0 for shorted terminals, which brake.
+void nameCoasting(const MotorLog& log, std::vector<std::string>& warnings) {
+  constexpr double kLeast = 0.2;   // [s] of exactly 0: a controller only passes it
+  constexpr double kMoves = 0.05;  // of the top speed
+  if (!log.current.empty() || log.voltage.empty() || log.velocity.empty()) return;
+  const auto size = [](double value) { return std::abs(value); };
+  const double moves = kMoves * size(std::ranges::max(log.velocity, {}, size));
+  std::size_t coasting = 0;
+  for (std::size_t begin = 0, end = 0; begin < log.rows(); begin = std::max(end, begin + 1)) {
+    const auto off = [&](std::size_t i) {
+      return log.session[i] == log.session[begin] && log.voltage[i] == 0.0 && size(log.velocity[i]) > moves;
+    };
+    for (end = begin; end < log.rows() && off(end); ++end) {
+    }
+    if (end > begin && log.time[end - 1] - log.time[begin] >= kLeast) coasting += end - begin;
+  }
+  if (coasting == 0) return;
+  warnings.push_back(
+      fmt::format("voltage_V is exactly 0 in {} rows of motion: the fit takes the terminals for shorted there, which "
+                  "brakes; where they are open (a driver that lets go) leave these rows out, or record current_A",
+                  coasting));
+}
+
 }  // namespace
 
 std::vector<std::string> settleMissing(const MotorLog& log, DriveFitOptions& options,
@@ -103,6 +126,7 @@ std::vector<std::string> settleMissing(const MotorLog& log, DriveFitOptions& opt
   // A delay is one against the velocity, or of the voltage against the current.
   if (!voltage) options.fixed.try_emplace("voltage_delay", 0.0);
   if (!current || !velocity) options.fixed.try_emplace("current_delay", 0.0);
+  nameCoasting(log, warnings);
   return missing;
 }
 

@@ -1,5 +1,6 @@
 #include "simgap/fit/actuators/drive_fit.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -63,6 +64,32 @@ TEST(MotorFit, RecoversTheTruthFromNoisyLogs) {
   ASSERT_EQ(fit.channels.size(), 2u);
   EXPECT_NEAR(fit.channels[0].rms, 3.0, 0.2);
   EXPECT_NEAR(fit.channels[1].rms, 0.1, 0.01);
+}
+
+/// 6 V and 4 V in turn, each for a second, and a second of nothing behind each: open terminals, or shorted ones.
+std::string switchedMotor(bool open) {
+  constexpr double kStep = 0.01, kConstant = 0.05, kResistance = 1.0, kInertia = 2e-3, kFriction = 0.02;
+  std::string csv = "time_s,voltage_V,velocity_rad_s\n";
+  double w = 0.0;
+  for (int i = 0; i < 1600; ++i) {
+    const double volts = i / 100 % 2 == 1 ? 0.0 : i / 200 % 2 == 0 ? 6.0 : 4.0;
+    csv += fmt::format("{:.2f},{},{:.6f}\n", kStep * i, volts, w);
+    const double current = open && volts == 0.0 ? 0.0 : (volts - kConstant * w) / kResistance;
+    w = std::max(0.0, w + kStep * (kConstant * current - kFriction) / kInertia);
+  }
+  return csv;
+}
+
+TEST(MotorFit, SaysThatOpenTerminalsAreTakenForShortedOnes) {
+  DriveFitOptions options;
+  options.fixed = {{"R", 1.0}};
+  const auto warnings = [&](const std::string& csv) { return fitDrive(readDrive(csv), options).warnings; };
+  EXPECT_THAT(warnings(switchedMotor(true)), Contains(HasSubstr("takes the terminals for shorted")));
+  // Shorted ones brake within some tenths of a second, and a log cannot tell why: it is said of them, too.
+  EXPECT_THAT(warnings(switchedMotor(false)), Contains(HasSubstr("takes the terminals for shorted")));
+  std::string driven = switchedMotor(true);
+  for (std::size_t at = 0; (at = driven.find(",0,", at)) != std::string::npos;) driven.replace(at, 3, ",0.5,");
+  EXPECT_THAT(warnings(driven), Not(Contains(HasSubstr("takes the terminals for shorted"))));
 }
 
 TEST(MotorFit, UnitsOfTheColumnsDoNotMatter) {
