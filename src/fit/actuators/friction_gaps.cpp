@@ -41,7 +41,7 @@ std::string missingForLaw(const FrictionModel& model, const FrictionData& data, 
 }
 
 std::string degenerateFit(const FrictionModel& model, const FrictionData& data, std::span<const double> theta,
-                       bool predict_load) {
+                          bool predict_load) {
   constexpr double kNothing = 1e-6;  // of what is predicted: a driving effort or load that has no part in it
   constexpr double kBeyond = 1e3;    // times the largest effort or load: a friction that no row shows
   const FrictionLaw& law = model.law();
@@ -74,7 +74,8 @@ std::string degenerateFit(const FrictionModel& model, const FrictionData& data, 
   return {};
 }
 
-std::vector<std::string> motionGaps(const FrictionModel& model, const FrictionData& data, std::span<const double> theta) {
+std::vector<std::string> motionGaps(const FrictionModel& model, const FrictionData& data,
+                                    std::span<const double> theta) {
   std::vector<std::string> sentences;
   const bool forward = (data.direction > 0.0).any(), backward = (data.direction < 0.0).any();
   if (!forward || !backward) {

@@ -16,9 +16,10 @@ std::string missingForLaw(const FrictionModel& model, const FrictionData& data, 
 /// Why this result is none: a channel with the wrong sign, a gain or a friction that is unbounded; empty when it is
 /// one.
 std::string degenerateFit(const FrictionModel& model, const FrictionData& data, std::span<const double> theta,
-                       bool predict_load);
+                          bool predict_load);
 
 /// Warnings about what the motion cannot show.
-std::vector<std::string> motionGaps(const FrictionModel& model, const FrictionData& data, std::span<const double> theta);
+std::vector<std::string> motionGaps(const FrictionModel& model, const FrictionData& data,
+                                    std::span<const double> theta);
 
 }  // namespace simgap

@@ -9,6 +9,7 @@
 #include "drive_units.h"
 #include "simgap/core/error.h"
 #include "simgap/fit/actuators/winding_signs.h"
+#include "simgap/measure/logs/channel_checks.h"
 
 namespace simgap {
 namespace {
@@ -59,19 +60,14 @@ void settleUnloaded(const MotorLog& log, DriveFitOptions& options, std::vector<s
 
 /// A motor that is switched off coasts; the winding's equation takes a voltage of 0 for shorted terminals, which brake.
 void nameCoasting(const MotorLog& log, std::vector<std::string>& warnings) {
-  constexpr double kLeast = 0.2;   // [s] of exactly 0: a controller only passes it
   constexpr double kMoves = 0.05;  // of the top speed
   if (!log.current.empty() || log.voltage.empty() || log.velocity.empty()) return;
   const auto size = [](double value) { return std::abs(value); };
-  const double moves = kMoves * size(std::ranges::max(log.velocity, {}, size));
-  std::size_t coasting = 0;
-  for (std::size_t begin = 0, end = 0; begin < log.rows(); begin = std::max(end, begin + 1)) {
-    const auto off = [&](std::size_t i) {
-      return log.session[i] == log.session[begin] && log.voltage[i] == 0.0 && size(log.velocity[i]) > moves;
-    };
-    for (end = begin; end < log.rows() && off(end); ++end) {
-    }
-    if (end > begin && log.time[end - 1] - log.time[begin] >= kLeast) coasting += end - begin;
+  const double slow = kMoves * size(std::ranges::max(log.velocity, {}, size));
+  std::ptrdiff_t coasting = 0;
+  for (const Block& run : switchedOff(log.time, log.session, log.voltage, log.velocity, slow)) {
+    coasting += std::count_if(log.velocity.begin() + run.begin, log.velocity.begin() + run.end,
+                              [&](double velocity) { return size(velocity) > slow; });
   }
   if (coasting == 0) return;
   warnings.push_back(

@@ -59,6 +59,21 @@ void requireMoreThanSteps(const std::string& file, const std::string& name, std:
                   file, name, different, kMostSteps));
 }
 
+std::vector<Block> switchedOff(std::span<const double> time, std::span<const int> session,
+                               std::span<const double> voltage, std::span<const double> velocity, double slow) {
+  constexpr double kLeast = 0.2;       // [s] of exactly nothing: a controller only passes zero
+  constexpr std::size_t kFewest = 10;  // rows of it
+  std::vector<Block> runs;
+  for (std::size_t begin = 0, end = 0; begin < time.size(); begin = std::max(end, begin + 1)) {
+    bool moves = false;
+    for (end = begin; end < time.size() && session[end] == session[begin] && voltage[end] == 0.0; ++end) {
+      moves = moves || std::abs(velocity[end]) > slow;
+    }
+    if (moves && end - begin >= kFewest && time[end - 1] - time[begin] >= kLeast) runs.push_back({begin, end});
+  }
+  return runs;
+}
+
 void requireMotion(const std::string& file, const std::string& name, std::span<const double> values,
                    std::span<const double> driven) {
   constexpr double kSpread = 8.0;   // noise levels: more than the whole range of a rest

@@ -13,6 +13,7 @@
 #include "simgap/core/blocks.h"
 #include "simgap/core/error.h"
 #include "simgap/core/statistics.h"
+#include "simgap/measure/logs/channel_checks.h"
 #include "simgap/measure/logs/resolution.h"
 #include "simgap/measure/logs/rests.h"
 #include "simgap/measure/logs/spikes.h"
@@ -150,29 +151,21 @@ void leaveOutRests(const ActuatorLog& log, double blurred_seconds, bool sticks_s
 
 void leaveOutSwitchedOff(const ActuatorLog& log, const FrictionDataOptions& options, MotionSign& sign,
                          FrictionData& data) {
-  constexpr double kLeast = 0.2;              // [s] of exactly nothing: a controller only passes zero
-  constexpr std::size_t kFewest = 10;         // rows of it
   constexpr double kMoves = 2.0;              // dead bands
   constexpr std::ptrdiff_t kFewestLeft = 50;  // rows of motion
   if (options.raw_sign || !log.has_time || log.effort_unit != "V") return;
   std::vector<bool> driven = sign.keep;
-  for (std::size_t begin = 0, end = 0; begin < log.rows(); begin = std::max(end, begin + 1)) {
-    bool moves = false;
-    for (end = begin; end < log.rows() && log.session[end] == log.session[begin] && log.effort[end] == 0.0; ++end) {
-      moves = moves || std::abs(log.velocity[end]) > kMoves * sign.dead_band;
-    }
-    if (!moves || end - begin < kFewest || log.time[end - 1] - log.time[begin] < kLeast) continue;
-    std::fill(driven.begin() + begin, driven.begin() + end, false);
+  for (const Block& run : switchedOff(log.time, log.session, log.effort, log.velocity, kMoves * sign.dead_band)) {
+    std::fill(driven.begin() + run.begin, driven.begin() + run.end, false);
   }
   const auto off = std::ranges::count(sign.keep, true) - std::ranges::count(driven, true);
   if (off == 0 || std::ranges::count(driven, true) < kFewestLeft) return;
   sign.keep = std::move(driven);
   data.warnings.push_back(
-      fmt::format("{} is exactly 0 in {} rows of motion ({:.1f} %), for {} s and longer: they are left out, because a "
-                  "motor that is "
-                  "switched off has open terminals, and 0 is not their voltage",
+      fmt::format("{} is exactly 0 in {} rows of motion ({:.1f} %), for 0.2 s and longer: they are left out, because a "
+                  "motor that is switched off has open terminals, and 0 is not their voltage",
                   quantityName(log.effort_name, log.effort_unit), off,
-                  100.0 * static_cast<double>(off) / static_cast<double>(log.rows()), kLeast));
+                  100.0 * static_cast<double>(off) / static_cast<double>(log.rows())));
 }
 
 }  // namespace simgap

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "simgap/core/blocks.h"
+
 namespace simgap {
 
 struct ChannelCheck {
@@ -26,6 +28,11 @@ std::size_t differentValues(std::span<const double> values, std::size_t most);
 
 /// \throws DataError: an effort that takes no more values than a command of steps does
 void requireMoreThanSteps(const std::string& file, const std::string& name, std::span<const double> values);
+
+/// Runs of rows, 0.2 s and longer, in which a voltage is exactly 0 while the drive moves faster than `slow` at some
+/// time: the motor is switched off. All of shape (rows).
+std::vector<Block> switchedOff(std::span<const double> time, std::span<const int> session,
+                               std::span<const double> voltage, std::span<const double> velocity, double slow);
 
 bool isConstant(std::span<const double> values);
 
