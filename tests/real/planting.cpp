@@ -86,16 +86,13 @@ Series frictionOf(const Motion& m) {
   return c[1] * m.way * m.moving + c[2] * m.speed;
 }
 
-/// How much viscous friction differs by direction before any of it is planted: plain least squares on rows that move.
+/// How much viscous friction differs by direction before any of it is planted: plain least squares on rows that move,
+/// beside a weight, which most of these joints have.
 double ownAsymmetry(const Motion& m) {
-  Eigen::MatrixXd x = ordinary(m);
-  x.conservativeResize(Eigen::NoChange, x.cols() + 1);
-  x.rightCols(1) = m.speed.abs();
+  Eigen::MatrixXd x(m.effort.size(), 7);
+  x << Series::Ones(m.effort.size()), m.way, m.speed, m.acceleration, m.angle.sin(), m.angle.cos(), m.speed.abs();
   const Eigen::VectorXd moving = m.moving.matrix();
-  return (moving.asDiagonal() * x)
-      .eval()
-      .colPivHouseholderQr()
-      .solve(moving.cwiseProduct(m.effort.matrix()))[x.cols() - 1];
+  return (moving.asDiagonal() * x).eval().colPivHouseholderQr().solve(moving.cwiseProduct(m.effort.matrix()))[6];
 }
 
 /// Effort that the effect of one magnitude adds.
