@@ -123,17 +123,10 @@ Determined covarianceOf(const std::vector<Index>& chosen, const MatrixXd& factor
   return result;
 }
 
-/// Whether a deviation says nothing of a parameter: a thousand times its own range, or, of one that cannot be 0,
-/// itself.
-bool tellsNothing(const Estimate& e, const ParameterSpec& spec, double sd) {
-  constexpr double kFar = 1e3;
-  return sd > kFar * (spec.upper - spec.lower) || (spec.lower > 0.0 && sd > kFar * e.value);
-}
-
 /// Deviation and interval value -+ t sd within the bounds; NaN when the data do not determine it.
 void setInterval(Estimate& e, const ParameterSpec& spec, double sd, double t) {
-  e.identifiable = std::isfinite(sd) && !tellsNothing(e, spec, sd);
-  e.sd = e.identifiable ? sd : kNaN;
+  e.identifiable = std::isfinite(sd);
+  e.sd = sd;
   e.lower95 = e.identifiable ? std::max(e.value - t * sd, spec.lower) : kNaN;
   e.upper95 = e.identifiable ? std::min(e.value + t * sd, spec.upper) : kNaN;
 }

@@ -65,29 +65,5 @@ TEST(Uncertainty, AnIntervalFollowsANeighbourOnItsBound) {
   EXPECT_GT(a.value - a.lower95, 5.0 * (fixed.value - fixed.lower95)) << "held at its bound b hides what a may be";
 }
 
-TEST(Uncertainty, AThousandTimesItselfIsNoDeviation) {
-  // y = a b at b that may stand for a, but for a trifle: a is a scale, c bounded.
-  LeastSquaresProblem problem;
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  problem.parameters = {{"a", "1", 1e-12, kInfinity}, {"b", "1", 1e-12, kInfinity}, {"c", "1", -1.0, 1.0}};
-  problem.chunks = evenChunks(200);
-  problem.evaluate = [](std::span<const double> theta, const Block& rows, Eigen::Ref<Eigen::VectorXd> residual,
-                        Eigen::Ref<Eigen::MatrixXd>* jacobian) {
-    for (std::size_t i = rows.begin; i < rows.end; ++i) {
-      const auto at = static_cast<Eigen::Index>(i - rows.begin);
-      const double n = static_cast<double>(i), trifle = 1e-6 * std::sin(3.7 * n), slight = 1e-6 * std::cos(5.1 * n);
-      residual[at] = theta[0] + (1.0 + trifle) * theta[1] + slight * theta[2] - 2.0 - 0.1 * std::sin(78.233 * n * n);
-      if (jacobian != nullptr) jacobian->row(at) << 1.0, 1.0 + trifle, slight;
-    }
-  };
-  const Uncertainty all = estimateUncertainty(problem, std::vector<double>{1.0, 1.0, 0.0}, std::vector<int>(200, 0));
-  for (const Estimate& e : all.estimates) {
-    EXPECT_FALSE(e.identifiable) << e.name << " " << e.sd;
-    EXPECT_TRUE(std::isnan(e.sd) && std::isnan(e.lower95) && std::isnan(e.upper95)) << e.name;
-  }
-  ASSERT_FALSE(all.findings.empty());
-  EXPECT_NE(all.findings[0].find("a, b, c cannot be found"), std::string::npos) << all.findings[0];
-}
-
 }  // namespace
 }  // namespace simgap
