@@ -345,9 +345,9 @@ class MjcfArm {
                            shortens / muscle.spindle_radius),
                true, actuator.place);
     }
-    if (!actuator.force_range || (*actuator.force_range)[1] > 0.0) {
+    if (pushes(actuator)) {
       xml_.add(fmt::format("{} that pushes", actuator.tag), "a line only pulls here", true, actuator.place);
-    } else if ((*actuator.force_range)[0] > -1e6) {
+    } else if (actuator.force_range && actuator.gear * (*actuator.force_range)[actuator.gear < 0.0 ? 1 : 0] > -1e6) {
       xml_.add("actuator forcerange", "left out: no limit of a line's force", true, actuator.place);
     }
   }

@@ -47,8 +47,11 @@ std::string_view notDriven(const MjcfActuator& actuator, const JointKind& joint)
 }
 
 bool pushes(const MjcfActuator& actuator) {
-  const bool servo = actuator.affine && actuator.gear != 0.0 && actuator.bias[1] < 0.0 && actuator.bias[2] <= 0.0;
-  return servo && (!actuator.force_range || (*actuator.force_range)[1] > 0.0);
+  if (!actuator.affine || actuator.gear == 0.0 || actuator.bias[1] >= 0.0 || actuator.bias[2] > 0.0) return false;
+  if (!actuator.force_range) return true;
+  // What lengthens the tendon is gear times the force.
+  const auto [least, most] = *actuator.force_range;
+  return actuator.gear < 0.0 ? least < 0.0 : most > 0.0;
 }
 
 PassiveTendon lineDrive(const MjcfActuator& actuator, const TendonPath& path, double offset, XmlRobot& xml) {

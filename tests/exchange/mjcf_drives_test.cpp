@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "mjcf_texts.h"
 #include "simgap/exchange/exchange.h"
 #include "simgap/model/arm/tendon_kind.h"
@@ -55,6 +57,15 @@ TEST(MjcfDrives, AServoThatOnlyPullsIsAMuscle) {
   const ArmModel arm = readText(twoHinges("", "<position tendon='t' kp='6' forcerange='-50 0'/>")).model;
   EXPECT_EQ(arm.muscles.size(), 1U);
   EXPECT_TRUE(arm.tendons.empty());
+}
+
+TEST(MjcfDrives, WhichWayAForceActsIsItsGears) {
+  const auto kinds = [](const std::string& actuator) {
+    const ArmModel arm = readText(twoHinges("", actuator)).model;
+    return std::pair(arm.muscles.size(), arm.tendons.size());
+  };
+  EXPECT_EQ(kinds("<position tendon='t' kp='6' gear='-1' forcerange='-50 0'/>"), std::pair(0UL, 1UL)) << "pushes";
+  EXPECT_EQ(kinds("<position tendon='t' kp='6' gear='-1' forcerange='0 50'/>"), std::pair(1UL, 0UL)) << "pulls";
 }
 
 TEST(MjcfDrives, AServoMovesASlide) {
