@@ -158,6 +158,15 @@ Muscle placeholderMuscle(double length) {
   return muscle;
 }
 
+Muscle& addPlaceholderMuscle(ArmModel& arm, const TendonPath& path, const std::string& name, double length) {
+  Muscle& muscle = arm.muscles.emplace_back(placeholderMuscle(length));
+  static_cast<TendonPath&>(muscle) = path;
+  muscle.name = name;
+  arm.motor_defaults = muscle.motor;
+  arm.gearbox_defaults = muscle.gearbox;
+  return muscle;
+}
+
 ArmModel checkedArm(ArmModel model, const std::filesystem::path& file, const ArmPlaces& places) {
   checkMasses(model, file, places);
   try {

@@ -33,6 +33,11 @@ const TendonKind* tendonKind(std::string_view name);
 /// What no file of the field says about a muscle, from the sample arm; its line is just taut at shaft 0 when its path
 /// is `length` long.
 Muscle placeholderMuscle(double length);
+inline constexpr std::string_view kPlaceholders =
+    "a motorised muscle whose cord, spindle, motor and gearbox are placeholders: enter yours";
+
+/// Adds a placeholder along a path of that length, with its motor and gearbox as those of all muscles.
+Muscle& addPlaceholderMuscle(ArmModel& arm, const TendonPath& path, const std::string& name, double length);
 
 /// Where what an arm consists of stands in the given file, "robot.xml:12", by its list and name: "bodies tip".
 using ArmPlaces = std::map<std::string, std::string>;

@@ -238,7 +238,7 @@ class MjcfArm {
       if (++pulling > 1) {
         xml_.add(fmt::format("{} '{}'", actuator.tag, abridged(actuator.name)),
                  "left out: another one pulls the same tendon", true, actuator.place);
-      } else if (!tendon.joints.empty() && pushes(actuator)) {
+      } else if (!tendon.joints.empty() && isServo(actuator) && pushes(actuator)) {
         addLineDrive(tendon, actuator, lineDrive(actuator, path, offset, xml_));
       } else {
         addMuscle(tendon, path, actuator, length, offset);
@@ -300,17 +300,11 @@ class MjcfArm {
 
   void addMuscle(const MjcfTendon& tendon, const TendonPath& path, const MjcfActuator& actuator, double length,
                  double offset) {
-    Muscle muscle = placeholderMuscle(length);
-    static_cast<TendonPath&>(muscle) = path;
-    muscle.name = tendon.line;
+    Muscle& muscle = addPlaceholderMuscle(arm_, path, tendon.line, length);
     nameAsTendon(actuator, muscle.name);
-    arm_.motor_defaults = muscle.motor;
-    arm_.gearbox_defaults = muscle.gearbox;
     const double stiffness = -actuator.gear * actuator.gear * actuator.bias[1];
     if (!actuator.affine || stiffness <= 0.0) {
-      xml_.add(fmt::format("{} (actuator of a tendon)", actuator.tag),
-               "a motorised muscle whose cord, spindle, motor and gearbox are placeholders: enter yours", true,
-               actuator.place);
+      xml_.add(wordsOf(actuator), std::string(kPlaceholders), true, actuator.place);
     } else {
       setServo(muscle, actuator, stiffness, offset);
     }
@@ -321,7 +315,6 @@ class MjcfArm {
                tendon.place);
     }
     places_["muscles " + muscle.name] = tendon.place;
-    arm_.muscles.push_back(muscle);
   }
 
   /// A servo that holds a tendon's length, force = gain u + bias0 + bias1 L: a cord behind a shaft.
@@ -332,15 +325,15 @@ class MjcfArm {
     const double shortens = -actuator.gear * actuator.gain / stiffness;  // [m] per unit of control
     if (shortens > 0.0) {
       muscle.spindle_radius = shortens;
-      xml_.add(fmt::format("{} (actuator of a tendon)", actuator.tag),
-               "a muscle whose shaft is the control; its motor and gearbox are placeholders", false, actuator.place);
+      xml_.add(wordsOf(actuator), "a muscle whose shaft is the control; its motor and gearbox are placeholders", false,
+               actuator.place);
     } else if (shortens == 0.0) {
       xml_.add(
-          fmt::format("{} (actuator of a tendon)", actuator.tag),
+          wordsOf(actuator),
           "a muscle that its control does not move (its gain is 0); its spindle, motor and gearbox are placeholders",
           true, actuator.place);
     } else {
-      xml_.add(fmt::format("{} (actuator of a tendon)", actuator.tag),
+      xml_.add(wordsOf(actuator),
                fmt::format("a muscle whose shaft is {:.6g} of the control; its motor and gearbox are placeholders",
                            shortens / muscle.spindle_radius),
                true, actuator.place);
@@ -364,8 +357,7 @@ class MjcfArm {
   void addJointDrive(const MjcfActuator& actuator) {
     const auto [joint, reference] = known(actuator.joint, actuator.place);
     if (const std::string_view why = notDriven(actuator, kindOf(arm_.joints[joint].type)); !why.empty()) {
-      return xml_.add(fmt::format("{} (actuator of a joint)", actuator.tag), fmt::format("left out: {}", why), true,
-                      actuator.place);
+      return xml_.add(wordsOf(actuator), fmt::format("left out: {}", why), true, actuator.place);
     }
     PassiveTendon drive = jointDrive(actuator, arm_.joints[joint], joint, reference, xml_);
     drive.name = actuator.drive;

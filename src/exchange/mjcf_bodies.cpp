@@ -157,18 +157,11 @@ class Bodies {
           "found a mesh, which is not read, where the compiler's settotalmass scales all masses; expected "
           "<inertial> in its body");
     }
-    if (robot_.bodies[body].mass.mass < file_.compiler().least_mass && moves(body)) {
+    if (robot_.bodies[body].mass.mass < file_.compiler().least_mass && carrierOf(robot_, body) >= 0) {
       mesh.fail(
           "found a mesh, which is not read, so that its body would weigh the compiler's boundmass; expected "
           "<inertial> in it");
     }
-  }
-
-  bool moves(int body) const {
-    for (; body >= 0; body = robot_.bodies[body].parent) {
-      if (!robot_.bodies[body].joints.empty()) return true;
-    }
-    return false;
   }
 
   [[noreturn]] static void refuseFloating(const MjcfNode& joint) {

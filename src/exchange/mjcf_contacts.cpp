@@ -15,12 +15,6 @@ struct Touching {
   auto operator<=>(const Touching&) const = default;
 };
 
-/// The body that carries it and moves: bodies without joints are welded to their parents.
-int carrierOf(const MjcfRobot& robot, int body) {
-  while (body >= 0 && robot.bodies[body].joints.empty()) body = robot.bodies[body].parent;
-  return body;
-}
-
 Touching touchingOf(const MjcfRobot& robot, const MjcfGeom& geom) {
   const int body = carrierOf(robot, geom.body);
   const int hangs_on = body < 0 ? -1 : carrierOf(robot, robot.bodies[body].parent);
@@ -37,6 +31,11 @@ bool mayTouch(const Touching& a, const Touching& b) {
 }
 
 }  // namespace
+
+int carrierOf(const MjcfRobot& robot, int body) {
+  while (body >= 0 && robot.bodies[body].joints.empty()) body = robot.bodies[body].parent;
+  return body;
+}
 
 void nameContacts(const MjcfRobot& robot, XmlRobot& xml) {
   constexpr std::size_t kMostKinds = 2000;  // beyond them none is spared a remark

@@ -7,10 +7,6 @@
 namespace simgap {
 namespace {
 
-std::string wordsOf(const MjcfActuator& actuator) {
-  return fmt::format("{} (actuator of a {})", actuator.tag, actuator.tendon.empty() ? "joint" : "tendon");
-}
-
 void nameForceRange(const MjcfActuator& actuator, XmlRobot& xml) {
   if (actuator.force_range)
     xml.add("actuator forcerange", "left out: no limit of a drive's force", true, actuator.place);
@@ -34,6 +30,10 @@ PassiveTendon servo(const MjcfActuator& actuator, std::string_view kind, double 
 
 }  // namespace
 
+std::string wordsOf(const MjcfActuator& actuator) {
+  return fmt::format("{} (actuator of a {})", actuator.tag, actuator.tendon.empty() ? "joint" : "tendon");
+}
+
 std::string_view notDriven(const MjcfActuator& actuator, const JointKind& joint) {
   const auto [b0, b1, b2] = actuator.bias;
   if (!joint.has_axis) return "the joint has no axis";
@@ -46,8 +46,11 @@ std::string_view notDriven(const MjcfActuator& actuator, const JointKind& joint)
                                 : "";
 }
 
+bool isServo(const MjcfActuator& actuator) {
+  return actuator.affine && actuator.gear != 0.0 && actuator.bias[1] < 0.0 && actuator.bias[2] <= 0.0;
+}
+
 bool pushes(const MjcfActuator& actuator) {
-  if (!actuator.affine || actuator.gear == 0.0 || actuator.bias[1] >= 0.0 || actuator.bias[2] > 0.0) return false;
   if (!actuator.force_range) return true;
   // What lengthens the tendon is gear times the force.
   const auto [least, most] = *actuator.force_range;

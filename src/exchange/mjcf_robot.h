@@ -137,10 +137,16 @@ std::string_view notDriven(const MjcfActuator& actuator, const JointKind& joint)
 /// MuJoCo's torque of an affine actuator, gear (gain ctrl + b0 + b1 gear q + b2 gear dq/dt): a motor without bias, a
 /// servo with b1 < 0, without a name. Its q counts from the joint's reference.
 PassiveTendon jointDrive(const MjcfActuator& actuator, const Joint& joint, int index, double reference, XmlRobot& xml);
-/// Whether an actuator of a tendon is a servo that pushes, too.
+/// "position (actuator of a tendon)", for a remark.
+std::string wordsOf(const MjcfActuator& actuator);
+/// Whether its law is that of a position servo.
+bool isServo(const MjcfActuator& actuator);
+/// Whether an actuator of a tendon may push, too.
 bool pushes(const MjcfActuator& actuator);
 /// The same of a servo along a line. \param offset  MuJoCo's length less ours
 PassiveTendon lineDrive(const MjcfActuator& actuator, const TendonPath& path, double offset, XmlRobot& xml);
+/// The body that carries one and moves: bodies without joints are welded to their parents; -1: the world.
+int carrierOf(const MjcfRobot& robot, int body);
 /// A remark for every geom that may touch another.
 void nameContacts(const MjcfRobot& robot, XmlRobot& xml);
 /// Adds one body's mass to what is known of it, both in the same frame.

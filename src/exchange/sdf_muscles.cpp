@@ -27,8 +27,9 @@ class SdfMuscles {
 
   void giveMusclesNames() {
     std::vector<NameWish> wishes;
-    for (std::size_t m = 0; m < said_.size(); ++m) {
-      wishes.push_back({&arm_.muscles[m].name, "muscle", said_[m].name, said_[m].place, "muscle"});
+    for (std::size_t m = 0; m < places_.size(); ++m) {
+      std::string& name = arm_.muscles[m].name;
+      wishes.push_back({&name, "muscle", name, places_[m], "muscle"});
     }
     std::set<std::string> taken;
     giveNames(wishes, taken, xml_);
@@ -47,14 +48,9 @@ class SdfMuscles {
     path.attachments = {points.front(), points.back()};
     for (std::size_t k = 1; k + 1 < points.size(); ++k) path.between.emplace_back().at = points[k];
     const std::vector<JointPosition> drawn(arm_.joints.size());
-    Muscle muscle = placeholderMuscle(tendonLength(arm_, path, bodiesInWorld(arm_, drawn), drawn));
-    static_cast<TendonPath&>(muscle) = path;
-    arm_.motor_defaults = muscle.motor;
-    arm_.gearbox_defaults = muscle.gearbox;
-    xml_.add("myoMuscle", "a motorised muscle whose cord, spindle, motor and gearbox are placeholders: enter yours",
-             true, xml_.place(element));
-    said_.push_back({name, xml_.place(element)});
-    arm_.muscles.push_back(std::move(muscle));
+    addPlaceholderMuscle(arm_, path, name, tendonLength(arm_, path, bodiesInWorld(arm_, drawn), drawn));
+    places_.push_back(xml_.place(element));
+    xml_.add("myoMuscle", std::string(kPlaceholders), true, places_.back());
   }
 
   void addPoints(const XmlElement& link, std::vector<Attachment>& points) {
@@ -74,14 +70,10 @@ class SdfMuscles {
     }
   }
 
-  struct Said {
-    std::string name, place;
-  };
-
   const LinkTree& tree_;
   XmlRobot& xml_;
   ArmModel& arm_;
-  std::vector<Said> said_;  ///< shape (muscles)
+  std::vector<std::string> places_;  ///< in the file, shape (muscles)
 };
 
 }  // namespace

@@ -68,6 +68,13 @@ TEST(MjcfDrives, WhichWayAForceActsIsItsGears) {
   EXPECT_EQ(kinds("<position tendon='t' kp='6' gear='-1' forcerange='0 50'/>"), std::pair(1UL, 0UL)) << "pulls";
 }
 
+TEST(MjcfDrives, WhatPushesIsSaidOfAMuscleThatItsRateDrives) {
+  const ImportedArm read =
+      readText(twoHinges("", "<general tendon='t' gear='3' gainprm='40' biastype='affine' biasprm='5 -60 7'/>"));
+  ASSERT_EQ(read.model.muscles.size(), 1U) << "a damping below 0 is no servo's";
+  EXPECT_TRUE(hasRemark(read.remarks, "general that pushes", true, "robot.xml:10"));
+}
+
 TEST(MjcfDrives, AServoMovesASlide) {
   const ArmModel arm = readText(robot("", std::string("<joint name='s' type='slide' ref='0.1'/>\n") + kBall,
                                       "<actuator><position joint='s' kp='900' kv='4'/></actuator>\n"))
