@@ -5,6 +5,8 @@
 // Points stand in the frames of their links, in the order in which the line runs.
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "sdf_muscles.h"
 #include "simgap/core/text.h"
 #include "simgap/model/arm/kinematics.h"
@@ -29,7 +31,7 @@ class SdfMuscles {
     std::vector<NameWish> wishes;
     for (std::size_t m = 0; m < places_.size(); ++m) {
       std::string& name = arm_.muscles[m].name;
-      wishes.push_back({&name, "muscle", name, places_[m], "muscle"});
+      wishes.push_back({&name, "muscle", std::exchange(name, {}), places_[m], "muscle"});
     }
     std::set<std::string> taken;
     giveNames(wishes, taken, xml_);

@@ -72,7 +72,7 @@ TEST(MjcfDrives, WhatPushesIsSaidOfAMuscleThatItsRateDrives) {
   const ImportedArm read =
       readText(twoHinges("", "<general tendon='t' gear='3' gainprm='40' biastype='affine' biasprm='5 -60 7'/>"));
   ASSERT_EQ(read.model.muscles.size(), 1U) << "a damping below 0 is no servo's";
-  EXPECT_TRUE(hasRemark(read.remarks, "general that pushes", true, "robot.xml:10"));
+  EXPECT_TRUE(hasRemark(read.remarks, "general that pushes", true, "robot.xml:11"));
 }
 
 TEST(MjcfDrives, AServoMovesASlide) {
