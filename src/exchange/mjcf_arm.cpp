@@ -228,14 +228,40 @@ class MjcfArm {
     return tendonLength(arm_, path, bodiesInWorld(arm_, joints), joints);
   }
 
+  static bool actsOn(const MjcfActuator& actuator, const MjcfTendon& tendon) {
+    return !actuator.tendon.empty() && actuator.tendon == tendon.name;
+  }
+
+  /// Whether joints change it: it runs over a wheel on one, or over two bodies.
+  static bool changesLength(const TendonPath& path) {
+    const int body = path.attachments[0].body;
+    const auto changes = [&](const Station& station) {
+      if (station.kind == Station::Kind::kJoint) return station.radius != 0.0;
+      return station.kind != Station::Kind::kPulley && station.at.body != body;
+    };
+    return path.attachments[1].body != body || std::ranges::any_of(path.between, changes);
+  }
+
+  /// What no joint lengthens moves none.
+  void leaveOutConstant(const MjcfTendon& tendon) {
+    xml_.add("tendon of one length", "left out: no joint changes it", false, tendon.place);
+    for (const MjcfActuator& actuator : robot_.actuators) {
+      if (!actsOn(actuator, tendon)) continue;
+      xml_.add(wordsOf(actuator), "left out: no joint changes its tendon", false, actuator.place);
+    }
+  }
+
   void addTendon(const MjcfTendon& tendon) {
     const TendonPath path = pathOf(tendon);
+    if (!changesLength(path)) return leaveOutConstant(tendon);
     const double length = lengthAt(path, [](const Joint&) { return 0.0; });
     const double offset = offsetOf(tendon);
     int pulling = 0;
     for (const MjcfActuator& actuator : robot_.actuators) {
-      if (actuator.tendon.empty() || actuator.tendon != tendon.name) continue;
-      if (++pulling > 1) {
+      if (!actsOn(actuator, tendon)) continue;
+      if (exertsNothing(actuator)) {
+        xml_.add(wordsOf(actuator), "left out: it exerts no force", false, actuator.place);
+      } else if (++pulling > 1) {
         xml_.add(fmt::format("{} '{}'", actuator.tag, abridged(actuator.name)),
                  "left out: another one pulls the same tendon", true, actuator.place);
       } else if (!tendon.joints.empty() && isServo(actuator) && pushes(actuator)) {
@@ -356,6 +382,9 @@ class MjcfArm {
 
   void addJointDrive(const MjcfActuator& actuator) {
     const auto [joint, reference] = known(actuator.joint, actuator.place);
+    if (exertsNothing(actuator)) {
+      return xml_.add(wordsOf(actuator), "left out: it exerts no force", false, actuator.place);
+    }
     if (const std::string_view why = notDriven(actuator, kindOf(arm_.joints[joint].type)); !why.empty()) {
       return xml_.add(wordsOf(actuator), fmt::format("left out: {}", why), true, actuator.place);
     }

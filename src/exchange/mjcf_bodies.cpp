@@ -195,6 +195,12 @@ class Bodies {
     for (const MjcfNode& child : node.children()) nameLoose(child, depth + 1);
   }
 
+  static bool holdsGeomThatTouches(const MjcfNode& node) {
+    if (node.tag() == "geom") return node.number("contype", 1.0) != 0.0 || node.number("conaffinity", 1.0) != 0.0;
+    const std::vector<MjcfNode> inner = node.children();
+    return std::ranges::any_of(inner, holdsGeomThatTouches);
+  }
+
   /// A loose thing beside the robot touches nothing here. \returns whether the body was one
   bool leaveOutLoose(const MjcfNode& node) {
     const std::optional<MjcfNode> free = findJoint(node, true);
@@ -202,7 +208,9 @@ class Bodies {
     if (findJoint(node, false)) refuseFloating(*free);
     floating_.push_back(*free);
     nameLoose(node);
-    node.remarkAll("body with a free joint", "a loose thing: left out with all that stands in it", false);
+    // A loose thing that can touch may lie in a hand.
+    const bool meets = robot_.contacts && holdsGeomThatTouches(node);
+    node.remarkAll("body with a free joint", "a loose thing: left out with all that stands in it", meets);
     return true;
   }
 
@@ -281,7 +289,7 @@ class Bodies {
                                geom.frame, geom.type == "cylinder",       geom.size.x()};
     }
     const auto bits = [&](const char* attribute) { return static_cast<std::int64_t>(node.number(attribute, 1.0)); };
-    robot_.geoms.push_back({body, bits("contype"), bits("conaffinity"), file_.xml().place(node.xml())});
+    robot_.geoms.push_back({name, body, bits("contype"), bits("conaffinity"), file_.xml().place(node.xml())});
     const std::vector<double>& groups = file_.compiler().inertia_groups;
     const double group = node.number("group", 0.0);
     const double density = node.nonNegative("density", kWaterDensity);

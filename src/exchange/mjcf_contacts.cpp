@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <compare>
 #include <set>
+#include <string>
+#include <utility>
 
 #include "mjcf_robot.h"
 
@@ -10,6 +12,7 @@ namespace {
 
 /// Geoms of one body that ask alike are alike here.
 struct Touching {
+  std::string said;               ///< the file's body that they stand in
   int body = -1, hangs_on = -1;  ///< bodies that move; -1: the world
   std::int64_t contype = 0, conaffinity = 0;
   auto operator<=>(const Touching&) const = default;
@@ -18,16 +21,43 @@ struct Touching {
 Touching touchingOf(const MjcfRobot& robot, const MjcfGeom& geom) {
   const int body = carrierOf(robot, geom.body);
   const int hangs_on = body < 0 ? -1 : carrierOf(robot, robot.bodies[body].parent);
-  return {body, hangs_on, geom.contype, geom.conaffinity};
+  return {geom.body < 0 ? "world" : robot.bodies[geom.body].said, body, hangs_on, geom.contype, geom.conaffinity};
 }
 
-/// Neither geoms of one body nor those of a body and of the one that it hangs on touch, but for the world's.
-bool mayTouch(const Touching& a, const Touching& b) {
+/// What <contact> and <flag> say about geoms that meet.
+struct ContactRules {
+  bool neighbours = false;  ///< bodies touch those that they hang on, too
+  std::set<std::pair<std::string, std::string>> excluded;  ///< bodies, either way round
+  std::set<std::string> paired;                            ///< geoms that touch whatever else is said
+};
+
+ContactRules rulesOf(MjcfFile& file) {
+  ContactRules rules;
+  for (const MjcfNode& option : file.sections("option")) {
+    for (const MjcfNode& flag : option.children()) {
+      if (flag.has("filterparent")) rules.neighbours = flag.text("filterparent") == "disable";
+    }
+  }
+  for (const MjcfNode& section : file.sections("contact")) {
+    for (const MjcfNode& node : section.children()) {
+      const std::string a = node.text("body1"), b = node.text("body2");
+      rules.excluded.insert({{a, b}, {b, a}});
+      for (const char* const end : {"geom1", "geom2"}) rules.paired.insert(node.text(end));
+      node.remarkAll(node.tag() + " (contact)", "looked at for what may touch, left out", false);
+    }
+  }
+  rules.paired.erase("");
+  return rules;
+}
+
+/// Geoms of one body never touch, those of a body and of the one that it hangs on seldom, but for the world's.
+bool mayTouch(const Touching& a, const Touching& b, const ContactRules& rules) {
   const auto hangs = [](const Touching& child, const Touching& on) {
     return child.body >= 0 && on.body >= 0 && child.hangs_on == on.body;
   };
   const bool asked = (a.contype & b.conaffinity) != 0 || (b.contype & a.conaffinity) != 0;
-  return asked && a.body != b.body && !hangs(a, b) && !hangs(b, a);
+  return asked && a.body != b.body && !rules.excluded.contains({a.said, b.said}) &&
+         (rules.neighbours || (!hangs(a, b) && !hangs(b, a)));
 }
 
 }  // namespace
@@ -37,18 +67,19 @@ int carrierOf(const MjcfRobot& robot, int body) {
   return body;
 }
 
-void nameContacts(const MjcfRobot& robot, XmlRobot& xml) {
+void nameContacts(MjcfFile& file, const MjcfRobot& robot) {
   constexpr std::size_t kMostKinds = 2000;  // beyond them none is spared a remark
+  const ContactRules rules = rulesOf(file);
   std::set<Touching> kinds;
   for (const MjcfGeom& geom : robot.geoms) kinds.insert(touchingOf(robot, geom));
   std::set<Touching> touching;
   for (const Touching& kind : kinds) {
-    const auto meets = [&](const Touching& other) { return mayTouch(kind, other); };
+    const auto meets = [&](const Touching& other) { return mayTouch(kind, other, rules); };
     if (kinds.size() > kMostKinds || std::ranges::any_of(kinds, meets)) touching.insert(kind);
   }
   for (const MjcfGeom& geom : robot.geoms) {
-    if (!touching.contains(touchingOf(robot, geom))) continue;
-    xml.add("contacts of a geom with others", "left out: bodies pass through each other", true, geom.place);
+    if (!touching.contains(touchingOf(robot, geom)) && !rules.paired.contains(geom.name)) continue;
+    file.xml().add("contacts of a geom with others", "left out: bodies pass through each other", true, geom.place);
   }
 }
 

@@ -38,12 +38,17 @@ std::string_view notDriven(const MjcfActuator& actuator, const JointKind& joint)
   const auto [b0, b1, b2] = actuator.bias;
   if (!joint.has_axis) return "the joint has no axis";
   if (!actuator.affine) return "its law is neither a motor's nor a position servo's";
-  if (actuator.gear == 0.0 || actuator.gain == 0.0) return "its control moves nothing";
+  if (actuator.gain == 0.0) return "its control moves nothing";
   if (b1 > 0.0 || b2 > 0.0) return "its bias drives the joint away";
   if (b1 == 0.0 && b2 != 0.0) return "it holds a velocity: only motors and position servos are modelled";
   if (b1 == 0.0 && joint.slides) return "slides have no motors here, only position servos";
   return b1 == 0.0 && b0 != 0.0 ? "a constant torque beside its control: only motors and position servos are modelled"
                                 : "";
+}
+
+bool exertsNothing(const MjcfActuator& actuator) {
+  const bool none = actuator.affine && actuator.gain == 0.0 && actuator.bias == std::array{0.0, 0.0, 0.0};
+  return none || actuator.gear == 0.0;
 }
 
 bool isServo(const MjcfActuator& actuator) {

@@ -49,6 +49,7 @@ struct MjcfSite {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
 };
 struct MjcfGeom {
+  std::string name;                           ///< in the file; empty without one
   int body = -1;                              ///< -1: the world
   std::int64_t contype = 1, conaffinity = 1;  ///< bits
   std::string place;
@@ -139,6 +140,8 @@ std::string_view notDriven(const MjcfActuator& actuator, const JointKind& joint)
 PassiveTendon jointDrive(const MjcfActuator& actuator, const Joint& joint, int index, double reference, XmlRobot& xml);
 /// "position (actuator of a tendon)", for a remark.
 std::string wordsOf(const MjcfActuator& actuator);
+/// Whether neither its control nor its bias pulls or pushes.
+bool exertsNothing(const MjcfActuator& actuator);
 /// Whether its law is that of a position servo.
 bool isServo(const MjcfActuator& actuator);
 /// Whether an actuator of a tendon may push, too.
@@ -148,7 +151,7 @@ PassiveTendon lineDrive(const MjcfActuator& actuator, const TendonPath& path, do
 /// The body that carries one and moves: bodies without joints are welded to their parents; -1: the world.
 int carrierOf(const MjcfRobot& robot, int body);
 /// A remark for every geom that may touch another.
-void nameContacts(const MjcfRobot& robot, XmlRobot& xml);
+void nameContacts(MjcfFile& file, const MjcfRobot& robot);
 /// Adds one body's mass to what is known of it, both in the same frame.
 MassProperties addMass(const MassProperties& a, const MassProperties& b);
 /// Mass properties of a shape in another frame.

@@ -94,7 +94,7 @@ MjcfTendon readTendon(MjcfFile& file, const MjcfNode& node, const MjcfRobot& rob
       child.fail(fmt::format("found it in <{}>, expected what a tendon runs over", node.tag()));
     }
   }
-  // A wheel of radius 0, which ours cannot have, changes no length beside others.
+  // A wheel of radius 0, which ours cannot have, changes no length.
   const auto acts = [](const auto& wheel) { return wheel.second != 0.0; };
   if (std::ranges::any_of(tendon.joints, acts)) std::erase_if(tendon.joints, std::not_fn(acts));
   if (node.tag() == "spatial") checkPath(node, tendon.path);
@@ -180,7 +180,7 @@ MjcfRobot readMjcfRobot(MjcfFile& file) {
     option.remarkAll("option", "how MuJoCo solves, not what: left out but for gravity", false);
   }
   readMjcfBodies(file, robot);
-  if (robot.contacts) nameContacts(robot, file.xml());
+  if (robot.contacts) nameContacts(file, robot);
   readMjcfTendons(file, robot);
   readMjcfActuators(file, robot);
   nameMjcfParts(robot, file.xml());

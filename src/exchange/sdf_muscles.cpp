@@ -68,7 +68,7 @@ class SdfMuscles {
       }
       xml_.understand(*e);
       const char* const text = e->GetText();
-      points.push_back({place->first, place->second * xml_.vector3(*e, "viaPoint", text == nullptr ? "" : text)});
+      points.push_back({place->first, place->second * xml_.vector3(*e, "point", text == nullptr ? "" : text)});
     }
   }
 

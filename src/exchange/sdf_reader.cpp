@@ -36,11 +36,11 @@ const std::map<std::string, std::string> kIgnoredInSdf = {
     {"@canonical_link", "which link is the model's: left out"},
 };
 
-/// "1.4", "1.0": whether axes stand in the parent model's frame, as before version 1.5 of the format.
-bool isBefore15(const std::string& version) {
+/// Whether a file of the format's version ("1.4") is older than 1.`minor`.
+bool isBefore(const std::string& version, int minor) {
   const std::size_t dot = version.find('.');
   const int major = std::atoi(version.c_str());
-  return major < 1 || (major == 1 && (dot == std::string::npos || std::atoi(version.c_str() + dot + 1) < 5));
+  return major < 1 || (major == 1 && (dot == std::string::npos || std::atoi(version.c_str() + dot + 1) < minor));
 }
 
 class SdfArm {
@@ -51,7 +51,8 @@ class SdfArm {
   ImportedArm read() {
     xml_.refuseMacros(*root_);
     const char* const version = xml_.find(*root_, "version");
-    axes_in_model_ = version != nullptr && isBefore15(version);
+    axes_in_model_ = version != nullptr && isBefore(version, 5);
+    frame_of_pose_ = version != nullptr && isBefore(version, 7);
     const XmlElement& model = findModel();
     arm_.name = xml_.required(model, "name");
     findFrames(model);
@@ -179,8 +180,8 @@ class SdfArm {
         }
         if (const XmlElement* const pose = xml_.child(*e, "pose")) {
           frame.pose = poseOf(*pose);
-          // `frame` until version 1.6, `relative_to` from 1.7 on.
           for (const char* said : {"frame", "relative_to"}) {
+            if (*said == 'f' && !frame_of_pose_) continue;
             if (const char* other = xml_.find(*pose, said); other && *other) frame.relative_to = other;
           }
         }
@@ -304,6 +305,7 @@ class SdfArm {
   std::map<std::string, Frame> frames_;
   std::map<std::string, Eigen::Isometry3d> placed_;  ///< links, in the world
   bool axes_in_model_ = false;                       ///< where they say nothing: before version 1.5
+  bool frame_of_pose_ = false;                       ///< `frame` is `relative_to`: before version 1.7
   bool on_world_ = false;
 };
 

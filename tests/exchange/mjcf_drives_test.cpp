@@ -75,6 +75,29 @@ TEST(MjcfDrives, WhatPushesIsSaidOfAMuscleThatItsRateDrives) {
   EXPECT_TRUE(hasRemark(read.remarks, "general that pushes", true, "robot.xml:11"));
 }
 
+TEST(MjcfDrives, WhatExertsNoForceIsNoMuscle) {
+  for (const char* none : {"<position tendon='t' kp='0'/>", "<general tendon='t' gear='0' gainprm='7'/>"}) {
+    const ImportedArm read = readText(twoHinges("", none));
+    EXPECT_TRUE(read.model.muscles.empty()) << none;
+    ASSERT_EQ(read.model.tendons.size(), 1U) << none;
+    EXPECT_EQ(read.model.tendons[0].kind->name, "constant-force") << none;
+  }
+}
+
+TEST(MjcfDrives, ATendonThatNoJointChangesIsLeftOutWithItsActuator) {
+  const std::string body = std::string("<joint name='h'/>\n<site name='p'/><site name='q' pos='0 0 1'/>\n") + kBall;
+  for (const char* constant : {"<fixed name='t'><joint joint='h' coef='0'/></fixed>",
+                               "<spatial name='t'><site site='p'/><site site='q'/></spatial>"}) {
+    const ImportedArm read = readText(robot("", body,
+                                            std::string("<tendon>") + constant +
+                                                "</tendon>\n<actuator><motor tendon='t'/></actuator>\n"));
+    EXPECT_TRUE(read.model.muscles.empty()) << constant;
+    EXPECT_TRUE(read.model.tendons.empty()) << constant;
+    EXPECT_TRUE(hasRemark(read.remarks, "tendon of one length", false, "robot.xml:9")) << constant;
+    EXPECT_TRUE(hasRemark(read.remarks, "motor (actuator of a tendon)", false, "robot.xml:10")) << constant;
+  }
+}
+
 TEST(MjcfDrives, AServoMovesASlide) {
   const ArmModel arm = readText(robot("", std::string("<joint name='s' type='slide' ref='0.1'/>\n") + kBall,
                                       "<actuator><position joint='s' kp='900' kv='4'/></actuator>\n"))
@@ -104,6 +127,24 @@ TEST(MjcfContacts, AreNamedWhereGeomsMayTouch) {
   EXPECT_THAT(places(readText(robot("", through, floor))), IsEmpty());
   const std::string next = "<body pos='0 0 1'><joint/><geom size='0.1' mass='1'/></body>\n";
   EXPECT_THAT(places(readText(robot("", hinge + next))), IsEmpty()) << "neighbours do not touch in MuJoCo";
+  const std::string unfiltered = "<option><flag filterparent='disable'/></option>\n";
+  EXPECT_THAT(places(readText(robot(unfiltered, hinge + next))), testing::SizeIs(2));
+  const std::string excluded = "<contact><exclude body1='world' body2='b'/></contact>\n";
+  EXPECT_THAT(places(readText(robot("", hinge, floor + excluded))), IsEmpty());
+  const std::string named = "<joint name='h'/>\n<geom name='g' size='0.1' mass='2' contype='0' conaffinity='0'/>\n";
+  const std::string pair = "<worldbody><geom name='f' type='plane' size='1 1 1' contype='0' conaffinity='0'/>"
+                           "</worldbody><contact><pair geom1='g' geom2='f'/></contact>\n";
+  EXPECT_THAT(places(readText(robot("", named, pair))), testing::SizeIs(2));
+}
+
+TEST(MjcfContacts, ALooseThingMattersWhereItCanTouch) {
+  const auto ball = [](const std::string& more) {
+    return "<worldbody><body name='ball'><freejoint/><geom size='0.02' " + more + "/></body></worldbody>\n";
+  };
+  const std::string hinge = std::string("<joint name='h'/>\n") + kBall;
+  EXPECT_TRUE(hasRemark(readText(robot("", hinge, ball(""))).remarks, "body with a free joint", true, "robot.xml:8"));
+  EXPECT_TRUE(hasRemark(readText(robot("", hinge, ball("contype='0' conaffinity='0'"))).remarks,
+                        "body with a free joint", false, "robot.xml:8"));
 }
 
 TEST(MjcfContacts, AModelWithoutConstraintsIsNamed) {

@@ -29,8 +29,8 @@ std::string sdfJoint(const std::string& name, const std::string& type, const std
   return "<joint name='" + name + "' type='" + type + "'><parent>" + parent + "</parent><child>" + child + "</child>" +
          more + "</joint>\n";
 }
-std::string modelOf(const std::string& inner) {
-  return "<sdf version='1.9'>\n<model name='r'>\n" + inner + "</model></sdf>\n";
+std::string modelOf(const std::string& inner, const std::string& version = "1.9") {
+  return "<sdf version='" + version + "'>\n<model name='r'>\n" + inner + "</model></sdf>\n";
 }
 ImportedArm readAll(const std::string& inner) { return readSdf(modelOf(inner), "r.sdf"); }
 std::string sdfRefused(const std::string& inner) {
@@ -80,17 +80,28 @@ TEST(SdfReader, FramesStandInOneAnother) {
 }
 
 TEST(SdfReader, FramesOfPosesWereCalledFrameBefore) {
-  // sdformat turns `frame` of version 1.6 into `relative_to` of 1.7; an empty one is the usual frame, without a word.
-  for (const std::string said : {"frame", "relative_to"}) {
+  // sdformat turns `frame` of version 1.6 into `relative_to` of 1.7 and ignores it from there on; an empty one is the
+  // usual frame, without a word.
+  const auto read = [](const std::string& said, const std::string& version) {
     const std::string pose = "<pose " + said + "='a'>0.2 0 0 0 0 0</pose>";
-    const ImportedArm read =
-        readAll(link("a", "0 0 0.5 0 0 0") + "<link name='b'>" + pose + kMass + "</link>\n" +
-                sdfJoint("base", "fixed", "world", "a", "<pose " + said + "=''>0 0 0 0 0 0</pose>") +
-                sdfJoint("turn", "revolute", "a", "b"));
-    const std::vector<BodyInWorld> bodies = bodiesInWorld(read.model, std::vector<JointPosition>(1));
-    EXPECT_LT((bodies[1].origin - Eigen::Vector3d(0.2, 0.0, 0.5)).norm(), 1e-12) << said;
-    EXPECT_FALSE(std::ranges::any_of(read.remarks, [](const ExchangeRemark& r) { return r.matters; })) << said;
+    return readSdf(modelOf(link("a", "0 0 0.5 0 0 0") + "<link name='b'>" + pose + kMass + "</link>\n" +
+                               sdfJoint("base", "fixed", "world", "a", "<pose " + said + "=''>0 0 0 0 0 0</pose>") +
+                               sdfJoint("turn", "revolute", "a", "b"),
+                           version),
+                   "r.sdf");
+  };
+  const auto matters = [](const ExchangeRemark& remark) { return remark.matters; };
+  const auto place = [](const ImportedArm& arm) {
+    return bodiesInWorld(arm.model, std::vector<JointPosition>(1))[1].origin;
+  };
+  for (const auto& [said, version] : {std::pair("frame", "1.6"), {"relative_to", "1.6"}, {"relative_to", "1.9"}}) {
+    const ImportedArm arm = read(said, version);
+    EXPECT_LT((place(arm) - Eigen::Vector3d(0.2, 0.0, 0.5)).norm(), 1e-12) << said << version;
+    EXPECT_FALSE(std::ranges::any_of(arm.remarks, matters)) << said << version;
   }
+  const ImportedArm ignored = read("frame", "1.7");
+  EXPECT_LT((place(ignored) - Eigen::Vector3d(0.2, 0.0, 0.0)).norm(), 1e-12);
+  EXPECT_TRUE(std::ranges::any_of(ignored.remarks, matters)) << "named";
 }
 
 std::string musclesPlugin(const std::string& inner) {
