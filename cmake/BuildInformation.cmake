@@ -18,11 +18,12 @@ include_directories(${CMAKE_BINARY_DIR}/generated)
 
 # Writes each asset into a C++ array that the target can read through simgap/report/html/assets.h.
 function(simgap_embed_assets target)
-  set(config ${CMAKE_SOURCE_DIR}/configs/calibrate_arm.yaml)
   set(libraries ${CHART_JS} ${THREE_JS} ${ORBIT_CONTROLS_JS})
-  set(assets chart_js=${CHART_JS} three_js=${THREE_JS} orbit_controls_js=${ORBIT_CONTROLS_JS} calibrate_arm_yaml=${config}
-    calibrate_motions_yaml=${CMAKE_SOURCE_DIR}/configs/calibrate_motions.yaml)
+  set(assets chart_js=${CHART_JS} three_js=${THREE_JS} orbit_controls_js=${ORBIT_CONTROLS_JS})
   file(GLOB templates CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/report/html/templates/*)
+  foreach(config calibrate_arm calibrate_lines calibrate_motions)
+    list(APPEND templates ${CMAKE_SOURCE_DIR}/configs/${config}.yaml)
+  endforeach()
   foreach(file ${templates})
     get_filename_component(name ${file} NAME)
     string(REPLACE "." "_" name ${name})
@@ -31,7 +32,7 @@ function(simgap_embed_assets target)
   set(output ${CMAKE_BINARY_DIR}/generated/assets.cpp)
   add_custom_command(OUTPUT ${output}
     COMMAND ${CMAKE_COMMAND} "-DASSETS=${assets}" -DOUTPUT=${output} -P ${CMAKE_SOURCE_DIR}/cmake/EmbedAssets.cmake
-    DEPENDS ${templates} ${config} ${CMAKE_SOURCE_DIR}/configs/calibrate_motions.yaml ${libraries} ${CMAKE_SOURCE_DIR}/cmake/EmbedAssets.cmake VERBATIM)
+    DEPENDS ${templates} ${libraries} ${CMAKE_SOURCE_DIR}/cmake/EmbedAssets.cmake VERBATIM)
   target_sources(${target} PRIVATE ${output})
   set_source_files_properties(${output} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON COMPILE_OPTIONS -Wno-overlength-strings)
 endfunction()

@@ -49,7 +49,7 @@ std::vector<ParameterSpace::Choice> builtInChoices(const std::vector<ParameterSp
     }
   }
   if (matching.empty()) return choices;  // refused where a space is made of them
-  if (!others.empty()) {
+  if (!others.empty() && !model.muscles.empty()) {
     spdlog::warn("{}: left out {}, which this arm does not have; --config FILE gives other parameters", name,
                  fmt::join(others, ", "));
   }
@@ -93,6 +93,10 @@ ArmModel readArmFile(Session& session, const std::string& role, const std::strin
 }
 
 CalibrationConfig readConfig(Session& session, const std::string& file, const ArmModel* model) {
+  if (model != nullptr && model->muscles.empty()) {
+    return readConfigOf<CalibrationConfig>(session, file, "configs/calibrate_lines.yaml",
+                                           assets::calibrate_lines_yaml(), model);
+  }
   return readConfigOf<CalibrationConfig>(session, file, "configs/calibrate_arm.yaml", assets::calibrate_arm_yaml(),
                                          model);
 }

@@ -12,7 +12,7 @@ namespace {
 
 /// Geoms of one body that ask alike are alike here.
 struct Touching {
-  std::string said;               ///< the file's body that they stand in
+  std::string said;              ///< the file's body that they stand in
   int body = -1, hangs_on = -1;  ///< bodies that move; -1: the world
   std::int64_t contype = 0, conaffinity = 0;
   auto operator<=>(const Touching&) const = default;
@@ -26,7 +26,7 @@ Touching touchingOf(const MjcfRobot& robot, const MjcfGeom& geom) {
 
 /// What <contact> and <flag> say about geoms that meet.
 struct ContactRules {
-  bool neighbours = false;  ///< bodies touch those that they hang on, too
+  bool neighbours = false;                                 ///< bodies touch those that they hang on, too
   std::set<std::pair<std::string, std::string>> excluded;  ///< bodies, either way round
   std::set<std::string> paired;                            ///< geoms that touch whatever else is said
 };

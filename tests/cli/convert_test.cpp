@@ -1,5 +1,10 @@
 // `simgap convert`: files in, files out, sentences and exit codes.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "cli_fixture.h"
 #include "simgap/core/run_directory.h"
@@ -123,6 +128,26 @@ TEST_F(Convert, ArmsWhoseLinesAllBendOverSomethingCalibrateWithoutAConfig) {
   put("own.yaml", readText(sourceFile("configs/calibrate_arm.yaml")));
   expectRefused({"calibrate", "wrapped.yaml", "--poses", "rests.csv", "--dry-run", "--config", "own.yaml"}, 2,
                 "'muscles.*.attachments.1' matches nothing");
+}
+
+TEST_F(Convert, ArmsWithoutMusclesCalibrateWithoutAConfig) {
+  put("servo.xml", replaced(kPendulum, "<position tendon='line' kp='500' forcerange='-1000 0'/>",
+                            "<position name='servo' joint='pivot' kp='20'/>"));
+  succeed({"convert", "servo.xml", "servo.yaml"});
+  // The capsule weighs 1 g / cm^3. 18 (target + 0.05 - q) = m g l sin q, where the drawing says 20 and no offset.
+  const double mass = std::numbers::pi * 0.02 * 0.02 * (0.5 + 4.0 / 3.0 * 0.02) * 1000.0;
+  std::string poses = "pose,target_servo_rad,pivot_rad\n";
+  for (int k = 0; k < 12; ++k) {
+    const double q = -1.1 + 0.2 * k;
+    poses += fmt::format("p{},{},{}\n", k, q - 0.05 + mass * 9.80665 * 0.25 / 18.0 * std::sin(q), q);
+  }
+  put("rests.csv", poses);
+  succeed({"calibrate", "servo.yaml", "--poses", "rests.csv", "-q", "-o", "c"});
+  const Json result = Json::parse(text("c/result.json"));
+  std::map<std::string, double> found;
+  for (const Json& parameter : result["parameters"]) found[parameter["name"]] = parameter["value"];
+  EXPECT_NEAR(found.at("tendons.servo.stiffness_Nm_rad"), 18.0, 0.3);
+  EXPECT_NEAR(found.at("tendons.servo.offset_rad"), 0.05, 0.003);
 }
 
 TEST_F(Convert, CoupledJointsStartWhereTheyAreHeldAndStandWithoutAWarning) {

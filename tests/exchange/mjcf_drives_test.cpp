@@ -88,9 +88,8 @@ TEST(MjcfDrives, ATendonThatNoJointChangesIsLeftOutWithItsActuator) {
   const std::string body = std::string("<joint name='h'/>\n<site name='p'/><site name='q' pos='0 0 1'/>\n") + kBall;
   for (const char* constant : {"<fixed name='t'><joint joint='h' coef='0'/></fixed>",
                                "<spatial name='t'><site site='p'/><site site='q'/></spatial>"}) {
-    const ImportedArm read = readText(robot("", body,
-                                            std::string("<tendon>") + constant +
-                                                "</tendon>\n<actuator><motor tendon='t'/></actuator>\n"));
+    const ImportedArm read = readText(
+        robot("", body, std::string("<tendon>") + constant + "</tendon>\n<actuator><motor tendon='t'/></actuator>\n"));
     EXPECT_TRUE(read.model.muscles.empty()) << constant;
     EXPECT_TRUE(read.model.tendons.empty()) << constant;
     EXPECT_TRUE(hasRemark(read.remarks, "tendon of one length", false, "robot.xml:9")) << constant;
@@ -132,8 +131,9 @@ TEST(MjcfContacts, AreNamedWhereGeomsMayTouch) {
   const std::string excluded = "<contact><exclude body1='world' body2='b'/></contact>\n";
   EXPECT_THAT(places(readText(robot("", hinge, floor + excluded))), IsEmpty());
   const std::string named = "<joint name='h'/>\n<geom name='g' size='0.1' mass='2' contype='0' conaffinity='0'/>\n";
-  const std::string pair = "<worldbody><geom name='f' type='plane' size='1 1 1' contype='0' conaffinity='0'/>"
-                           "</worldbody><contact><pair geom1='g' geom2='f'/></contact>\n";
+  const std::string pair =
+      "<worldbody><geom name='f' type='plane' size='1 1 1' contype='0' conaffinity='0'/>"
+      "</worldbody><contact><pair geom1='g' geom2='f'/></contact>\n";
   EXPECT_THAT(places(readText(robot("", named, pair))), testing::SizeIs(2));
 }
 
