@@ -131,7 +131,8 @@ TEST_F(Convert, ArmsWhoseLinesAllBendOverSomethingCalibrateWithoutAConfig) {
 }
 
 TEST_F(Convert, ArmsWithoutMusclesCalibrateWithoutAConfig) {
-  put("servo.xml", replaced(kPendulum, "<position tendon='line' kp='500' forcerange='-1000 0'/>",
+  const std::string damped = replaced(kPendulum, "armature='0.01'", "damping='0.5'");
+  put("servo.xml", replaced(damped, "<position tendon='line' kp='500' forcerange='-1000 0'/>",
                             "<position name='servo' joint='pivot' kp='20'/>"));
   succeed({"convert", "servo.xml", "servo.yaml"});
   // The capsule weighs 1 g / cm^3. 18 (target + 0.05 - q) = m g l sin q, where the drawing says 20 and no offset.

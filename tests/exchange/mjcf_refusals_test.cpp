@@ -56,9 +56,10 @@ TEST(MjcfRefusals, WhatTheArmCannotBeIsSaidAtItsPlaceInTheFile) {
   EXPECT_THAT(refusal(robot("", turning() + "<body name='lid'>\n" + flat + "</body>\n")),
               HasSubstr("robot.xml:6: body 'lid': inertia_kg_m2: found"));
   EXPECT_THAT(refusal(robot("", "<joint/>\n")), HasSubstr("robot.xml:3: body 'b' moves without any mass"));
-  EXPECT_THAT(refusal(robot("", turning() + "<site name='in' pos='0.1 0 0'/><site name='to' pos='0.2 0 0'/>\n",
-                            "<tendon>\n<spatial name='s'><site site='in'/><site site='to'/></spatial></tendon>\n")),
-              HasSubstr("robot.xml:10: tendon 's': attachments: both ends are on the same body"));
+  EXPECT_THAT(refusal(robot("", turning() + "<site name='to'/>\n",
+                            "<worldbody><site name='in'/></worldbody>\n<tendon>\n<spatial name='s'><site site='in'/>"
+                            "<site site='to'/></spatial></tendon>\n")),
+              HasSubstr("robot.xml:11: tendon 's': attachments: found a line without length"));
 }
 
 TEST(MjcfRefusals, BodiesThatOnlyMujocoMakesAreNamed) {
