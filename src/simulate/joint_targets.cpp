@@ -10,6 +10,20 @@
 #include "simgap/core/joint_kind.h"
 
 namespace simgap {
+namespace {
+
+/// The first column of a joint's target; empty without one.
+std::string jointTargetOf(const CsvTable& table, const ArmModel& model) {
+  const std::vector<CommandChannel> lines = model.poseLayout().lines;  // a servo at a joint has a target, too
+  const auto leads = [&](const std::string& column) {
+    return column.starts_with("target_") &&
+           std::ranges::find(lines, splitUnit(column).stem, &CommandChannel::stem) == lines.end();
+  };
+  const auto found = std::ranges::find_if(table.columns(), leads);
+  return found == table.columns().end() ? "" : *found;
+}
+
+}  // namespace
 
 void JointTargets::at(double time, const std::vector<Joint>& kinds, std::vector<JointPosition>& positions) const {
   const auto after = std::ranges::upper_bound(times, time) - times.begin();
@@ -23,13 +37,7 @@ void JointTargets::at(double time, const std::vector<Joint>& kinds, std::vector<
   }
 }
 
-bool hasJointTargets(const CsvTable& table, const ArmModel& model) {
-  const std::vector<CommandChannel> lines = model.poseLayout().lines;  // a servo at a joint has a target, too
-  return std::ranges::any_of(table.columns(), [&](const std::string& column) {
-    return column.starts_with("target_") &&
-           std::ranges::find(lines, splitUnit(column).stem, &CommandChannel::stem) == lines.end();
-  });
-}
+bool hasJointTargets(const CsvTable& table, const ArmModel& model) { return !jointTargetOf(table, model).empty(); }
 
 JointTargets readJointTargets(const CsvTable& table, const ArmModel& model, bool linear) {
   if (table.rows() == 0) throw DataError(table.name() + ": no rows, expected positions of joints over time");
@@ -43,9 +51,9 @@ JointTargets readJointTargets(const CsvTable& table, const ArmModel& model, bool
   for (const PassiveTendon& tendon : model.tendons) {
     if (!tendon.kind->command) continue;
     throw DataError(
-        fmt::format("{}:1: found target_…, but '{}' is a {}: joints are led by muscles that a motor winds alone, "
+        fmt::format("{}:1: found {}, but '{}' is a {}: joints are led by muscles that a motor winds alone, "
                     "expected {}_{} and the commands of all others",
-                    table.name(), tendon.name, tendon.kind->name, tendon.commandStem(), tendon.kind->command.unit));
+                    table.name(), jointTargetOf(table, model), tendon.name, tendon.kind->name, tendon.commandStem(), tendon.kind->command.unit));
   }
   if (model.muscles.empty()) {
     throw DataError(fmt::format("{}:1: found target_…, but {} has no muscle, expected some that lead its joints",
