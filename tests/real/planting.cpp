@@ -170,9 +170,6 @@ Shape otherShape(const Motion& m, const std::string& effect, double u, double v)
   if (effect == "joint-gravity") {
     return {"sine", [=](double c) { return Series(c * (m.angle - pi2 * u).sin()); }, 1.0, "mgl", {}};
   }
-  if (effect == "inertia") {
-    return {"linear", [=](double c) { return Series(c * m.acceleration); }, 0.1, "J", {}};
-  }
   if (effect == "position-ripple") {
     const double range = quantile(m.angle, 0.99) - quantile(m.angle, 0.01), ratio = pi2 * (5.0 + 10.0 * u) / range;
     const Series phase = ratio * m.angle + pi2 * v;
@@ -198,10 +195,10 @@ Shape otherShape(const Motion& m, const std::string& effect, double u, double v)
             "",
             {}};
   }
-  if (effect == "torque-saturation") {
-    const double knee = quantile(m.effort.abs(), 0.5 + 0.3 * u);
-    return {
-        "knee", [=](double c) { return Series(c * m.effort.sign() * (m.effort.abs() - knee).max(0.0)); }, 0.3, "", {}};
+  if (effect == "torque-saturation") {  // of what the motor gives: the sensor's noise does not saturate
+    const Series given = m.effort - unexplained(m, m.effort);
+    const double knee = quantile(given.abs(), 0.5 + 0.3 * u);
+    return {"knee", [=](double c) { return Series(c * given.sign() * (given.abs() - knee).max(0.0)); }, 0.3, "", {}};
   }
   if (effect == "backlash") {  // of the effort only its noise is left there: a sensor never reads one value for long
     const Series carried = m.effort - unexplained(m, m.effort);
@@ -257,16 +254,8 @@ const std::vector<PlantingPlan>& plantingPlans() {
         {"ur10e-2", "current2_A", "q2_rad", "qd2_rad_s", with({"load-dependence"})},
         {"ur10e-3", "current3_A", "q3_rad", "qd3_rad_s", friction},
         {"ur10e-all-1", "current1_A", "q1_rad", "qd1_rad_s", with({"joint-gravity"})},
-        {"embir-A",
-         "motor1_current_A",
-         "motor1_position_rad",
-         "motor1_velocity_rad_s",
-         {"inertia", "viscous-nonlinearity"}},
-        {"embir-B",
-         "motor1_current_A",
-         "motor1_position_rad",
-         "motor1_velocity_rad_s",
-         {"inertia", "viscous-asymmetry"}},
+        {"embir-A", "motor1_current_A", "motor1_position_rad", "motor1_velocity_rad_s", {"viscous-nonlinearity"}},
+        {"embir-B", "motor1_current_A", "motor1_position_rad", "motor1_velocity_rad_s", {"viscous-asymmetry"}},
         {"robotino-1",
          "motor1_current_A",
          "motor1_speed_rad_s",
