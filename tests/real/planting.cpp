@@ -185,7 +185,7 @@ Shape otherShape(const Motion& m, const std::string& effect, double u, double v)
             1.0,
             "dt",
             {},
-            (m.time[m.time.size() - 1] - m.time[0]) / static_cast<double>(m.time.size() - 1)};
+            quantile(m.time.tail(m.time.size() - 1) - m.time.head(m.time.size() - 1), 0.5)};
   }
   if (effect == "speed-limit") {
     const double limit = (0.65 + 0.2 * u) * m.top;
