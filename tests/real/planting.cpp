@@ -11,6 +11,7 @@
 #include <random>
 #include <stdexcept>
 #include <unsupported/Eigen/FFT>
+#include <utility>
 
 #include "simgap/core/csv.h"
 
@@ -87,12 +88,21 @@ Series frictionOf(const Motion& m) {
 }
 
 /// How much viscous friction differs by direction before any of it is planted: plain least squares on rows that move,
-/// beside a weight, which most of these joints have.
-double ownAsymmetry(const Motion& m) {
+/// beside a weight, which most of these joints have. \returns its value and how far it lies from that without any
+/// twentieth of the log, as a standard deviation (jackknife)
+std::pair<double, double> ownAsymmetry(const Motion& m) {
+  constexpr Index kParts = 20;
   Eigen::MatrixXd x(m.effort.size(), 7);
   x << Series::Ones(m.effort.size()), m.way, m.speed, m.acceleration, m.angle.sin(), m.angle.cos(), m.speed.abs();
-  const Eigen::VectorXd moving = m.moving.matrix();
-  return (moving.asDiagonal() * x).eval().colPivHouseholderQr().solve(moving.cwiseProduct(m.effort.matrix()))[6];
+  const auto without = [&](Index first, Index rows) {
+    Eigen::VectorXd weight = m.moving.matrix();
+    weight.segment(first, rows).setZero();
+    return (weight.asDiagonal() * x).eval().colPivHouseholderQr().solve(weight.cwiseProduct(m.effort.matrix()))[6];
+  };
+  Series left(kParts);
+  const Index rows = m.effort.size() / kParts;
+  for (Index part = 0; part < kParts; ++part) left[part] = without(part * rows, rows);
+  return {without(0, 0), std::sqrt((kParts - 1.0) * (left - left.mean()).square().mean())};
 }
 
 /// Effort that the effect of one magnitude adds.
@@ -113,14 +123,19 @@ Series shifted(const Motion& m, double rows) {
   return result;
 }
 
-/// 0 within a travel `play` after each reversal, then 1.
+/// 0 within a travel `play` from where the motion last turned round, then 1.
 Series inContact(const Motion& m, double play) {
   Series result = Series::Ones(m.time.size());
-  double since = 1e9;
+  double turn = m.angle[0], farthest = m.angle[0];
+  bool turned = false;
   for (Index i = 1; i < m.time.size(); ++i) {
-    if (m.way[i] != m.way[i - 1]) since = 0.0;
-    since += std::fabs(m.angle[i] - m.angle[i - 1]);
-    result[i] = since < play ? 0.0 : 1.0;
+    if (m.way[i] != m.way[i - 1]) {
+      turn = farthest;
+      turned = true;
+      farthest = m.angle[i];
+    }
+    farthest = m.way[i] > 0.0 ? std::max(farthest, m.angle[i]) : std::min(farthest, m.angle[i]);
+    result[i] = turned && std::fabs(m.angle[i] - turn) < play ? 0.0 : 1.0;
   }
   return result;
 }
@@ -303,6 +318,7 @@ void LogTable::save(const std::filesystem::path& file) const {
 
 Planted plant(const PlantingPlan& plan, const LogTable& log, const std::string& effect, double error, double gain,
               std::uint64_t seed) {
+  constexpr double kKnown = 0.05;  // of what is planted: standard deviation of a log's own
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> u;
   const double first = u(random), second = u(random), side = u(random) < 0.5 ? -1.0 : 1.0;
@@ -319,7 +335,11 @@ Planted plant(const PlantingPlan& plan, const LogTable& log, const std::string& 
     planted.table.columns.emplace_back(warm.begin(), warm.end());
   }
   if (!shape.stated.empty()) planted.stated = {shape.stated, shape.value.value_or(shape.unit * magnitude)};
-  if (effect == "viscous-asymmetry") planted.stated->second += ownAsymmetry(m);
+  if (effect == "viscous-asymmetry") {
+    const auto [own, deviation] = ownAsymmetry(m);
+    planted.stated->second += own;
+    if (deviation > kKnown * std::fabs(magnitude * shape.unit)) planted.stated.reset();  // nobody knows the sum
+  }
   return planted;
 }
 
