@@ -377,7 +377,7 @@ class Judge {
   /// Whether forests see no more without a cause than with it, such as a ripple too fine for them: what is left then is
   /// something else, and no part of it is what the cause explains.
   bool isBesideWhatIsLeft(std::size_t cause) const {
-    constexpr double kPart = 0.25;  // of what the cause explains
+    constexpr double kPart = 0.5;  // of what the cause explains
     if (selection_.unnamed) return false;
     const double before = errors_without_[cause].mse(), after = found_.heldout.back().mse();
     const Ceiling seen = explainable(log_, evidenceChannels(log_), residualOf(without_[cause]), options_.seed);
