@@ -87,8 +87,16 @@ Series frictionOf(const Motion& m) {
   return c[1] * m.way * m.moving + c[2] * m.speed;
 }
 
+/// What the motor gives as far as friction, inertia and a weight explain it, which most of these joints have: without
+/// the sensor's noise.
+Series givenEffort(const Motion& m) {
+  Eigen::MatrixXd x(m.effort.size(), 6);
+  x << Series::Ones(m.effort.size()), m.way * m.moving, m.speed, m.acceleration, m.angle.sin(), m.angle.cos();
+  return (x * x.colPivHouseholderQr().solve(m.effort.matrix())).array();
+}
+
 /// How much viscous friction differs by direction before any of it is planted: plain least squares on rows that move,
-/// beside a weight, which most of these joints have. \returns its value and how far it lies from that without any
+/// beside a weight. \returns its value and how far it lies from that without any
 /// twentieth of the log, as a standard deviation (jackknife)
 std::pair<double, double> ownAsymmetry(const Motion& m) {
   constexpr Index kParts = 20;
@@ -211,7 +219,7 @@ Shape otherShape(const Motion& m, const std::string& effect, double u, double v)
             {}};
   }
   if (effect == "torque-saturation") {  // of what the motor gives: the sensor's noise does not saturate
-    const Series given = m.effort - unexplained(m, m.effort);
+    const Series given = givenEffort(m);
     const double knee = quantile(given.abs(), 0.5 + 0.3 * u);
     return {"knee", [=](double c) { return Series(c * given.sign() * (given.abs() - knee).max(0.0)); }, 0.3, "", {}};
   }
