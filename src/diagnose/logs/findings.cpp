@@ -378,7 +378,6 @@ class Judge {
   /// something else, and no part of it is what the cause explains.
   bool isBesideWhatIsLeft(std::size_t cause) const {
     constexpr double kPart = 0.5;  // of what the cause explains
-    if (selection_.unnamed) return false;
     const double before = errors_without_[cause].mse(), after = found_.heldout.back().mse();
     const Ceiling seen = explainable(log_, evidenceChannels(log_), residualOf(without_[cause]), options_.seed);
     return seen.share * before - found_.left->share * after < kPart * (before - after);
