@@ -65,7 +65,7 @@ std::string doubtBesideTheUnnamed(const std::string& cause,
 }
 
 TEST(Findings, ARippleTooFineForForestsIsNoPartOfTheUnnamedThatTheySee) {
-  const auto ripple = [](const ActuatorRows& rows) { return Eigen::ArrayXd(0.12 * (90.0 * rows.joint_angle).sin()); };
+  const auto ripple = [](const ActuatorRows& rows) { return Eigen::ArrayXd(0.06 * (90.0 * rows.joint_angle).sin()); };
   EXPECT_EQ(doubtBesideTheUnnamed("position-ripple", ripple), "");
 }
 
