@@ -367,20 +367,9 @@ class Judge {
     }
     const double before = errors_without_[cause].mse(), after = found_.heldout.back().mse();
     const double left = std::max(lost_, shareLeft(selection_, *found_.left) * found_.heldout.back().mse());
-    const double surely = gainOf(cause).lower95 * before;
-    const auto clear = [&](double shadow) { return before - after >= kClearly * shadow || surely >= shadow; };
-    if (clear(left) || (clear(lost_) && isBesideWhatIsLeft(cause))) return {};
+    if (before - after >= kClearly * left || gainOf(cause).lower95 * before >= left) return {};
     return fmt::format("it explains {:.0f} %, and what is left without a name {:.0f} %: it may only stand in for that",
                        100.0 * (before - after) / before, 100.0 * left / before);
-  }
-
-  /// Whether forests see no more without a cause than with it, such as a ripple too fine for them: what is left then is
-  /// something else, and no part of it is what the cause explains.
-  bool isBesideWhatIsLeft(std::size_t cause) const {
-    constexpr double kPart = 0.5;  // of what the cause explains
-    const double before = errors_without_[cause].mse(), after = found_.heldout.back().mse();
-    const Ceiling seen = explainable(log_, evidenceChannels(log_), residualOf(without_[cause]), options_.seed);
-    return seen.share * before - found_.left->share * after < kPart * (before - after);
   }
 
   const LogSearch& search_;

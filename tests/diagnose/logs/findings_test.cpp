@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <functional>
 
 #include "diagnose/logs/prepared_logs.h"
 
@@ -50,30 +49,6 @@ TEST(SlowFindings, ASmallCauseBesideALargeOneWithANameIsNamed) { EXPECT_EQ(doubt
 
 TEST(SlowFindings, ASmallCauseBesideALargeGroupWithoutANameIsACandidate) {
   const std::string doubt = doubtOfBias({"load-nonlinearity", "regime-change", "position-ripple"});
-  EXPECT_NE(doubt.find("left without a name"), std::string::npos) << doubt;
-}
-
-/// Of a cause beside more that has no name: an effort by speed and angle that no cause of the catalogue describes.
-/// \param added  what the cause adds to the effort [A]
-std::string doubtBesideTheUnnamed(const std::string& cause,
-                                  const std::function<Eigen::ArrayXd(const ActuatorRows&)>& added) {
-  PreparedLog log = preparedLog(smallRig(20000));
-  ActuatorRows& rows = log.data.rows;
-  const Eigen::ArrayXd part = rows.speed / rows.speed.abs().maxCoeff();
-  rows.effort += 0.5 * part.square() * (2.0 * rows.joint_angle).sin() + added(rows);
-  return doubtOfLast(log, {cause}, {});
-}
-
-TEST(Findings, ARippleTooFineForForestsIsNoPartOfTheUnnamedThatTheySee) {
-  const auto ripple = [](const ActuatorRows& rows) { return Eigen::ArrayXd(0.06 * (90.0 * rows.joint_angle).sin()); };
-  EXPECT_EQ(doubtBesideTheUnnamed("position-ripple", ripple), "");
-}
-
-TEST(Findings, AFrictionThatForestsSeeMayBeAPartOfTheUnnamed) {
-  const auto drag = [](const ActuatorRows& rows) {
-    return Eigen::ArrayXd(0.2 * rows.speed.abs() / rows.speed.abs().maxCoeff());
-  };
-  const std::string doubt = doubtBesideTheUnnamed("viscous-asymmetry", drag);
   EXPECT_NE(doubt.find("left without a name"), std::string::npos) << doubt;
 }
 
