@@ -40,9 +40,12 @@ ContactRules rulesOf(MjcfFile& file) {
   }
   for (const MjcfNode& section : file.sections("contact")) {
     for (const MjcfNode& node : section.children()) {
-      const std::string a = node.text("body1"), b = node.text("body2");
-      rules.excluded.insert({{a, b}, {b, a}});
-      for (const char* const end : {"geom1", "geom2"}) rules.paired.insert(node.text(end));
+      if (node.tag() == "exclude") {
+        const std::string a = node.text("body1"), b = node.text("body2");
+        rules.excluded.insert({{a, b}, {b, a}});
+      } else {
+        for (const char* const end : {"geom1", "geom2"}) rules.paired.insert(node.text(end));
+      }
       node.remarkAll(node.tag() + " (contact)", "looked at for what may touch, left out", false);
     }
   }
