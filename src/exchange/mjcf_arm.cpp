@@ -332,7 +332,7 @@ class MjcfArm {
     if (!actuator.affine || stiffness <= 0.0) {
       xml_.add(wordsOf(actuator), std::string(kPlaceholders), true, actuator.place);
     } else {
-      setServo(muscle, actuator, stiffness, offset);
+      setServo(muscle, actuator, stiffness, offset, xml_);
     }
     // What damps the tendon has no line of its own without a spring: the cord has it, too.
     if (tendon.stiffness == 0.0 && tendon.damping > 0.0) {
@@ -341,34 +341,6 @@ class MjcfArm {
                tendon.place);
     }
     places_["muscles " + muscle.name] = tendon.place;
-  }
-
-  /// A servo that holds a tendon's length, force = gain u + bias0 + bias1 L: a cord behind a shaft.
-  void setServo(Muscle& muscle, const MjcfActuator& actuator, double stiffness, double offset) {
-    muscle.shock_cord.stiffness = stiffness;
-    muscle.shock_cord.damping = std::max(0.0, -actuator.gear * actuator.gear * actuator.bias[2]);
-    muscle.kite_line_length = actuator.gear * actuator.bias[0] / stiffness - offset - muscle.shock_cord.rest_length;
-    const double shortens = -actuator.gear * actuator.gain / stiffness;  // [m] per unit of control
-    if (shortens > 0.0) {
-      muscle.spindle_radius = shortens;
-      xml_.add(wordsOf(actuator), "a muscle whose shaft is the control; its motor and gearbox are placeholders", false,
-               actuator.place);
-    } else if (shortens == 0.0) {
-      xml_.add(
-          wordsOf(actuator),
-          "a muscle that its control does not move (its gain is 0); its spindle, motor and gearbox are placeholders",
-          true, actuator.place);
-    } else {
-      xml_.add(wordsOf(actuator),
-               fmt::format("a muscle whose shaft is {:.6g} of the control; its motor and gearbox are placeholders",
-                           shortens / muscle.spindle_radius),
-               true, actuator.place);
-    }
-    if (pushes(actuator)) {
-      xml_.add(fmt::format("{} that pushes", actuator.tag), "a line only pulls here", true, actuator.place);
-    } else if (actuator.force_range && actuator.gear * (*actuator.force_range)[actuator.gear < 0.0 ? 1 : 0] > -1e6) {
-      xml_.add("actuator forcerange", "left out: no limit of a line's force", true, actuator.place);
-    }
   }
 
   /// Actuators of tendons were met with their tendons.

@@ -1,6 +1,8 @@
 // Actuators of joints: which of them are motors or servos here.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "arm_exchange.h"
 #include "mjcf_robot.h"
 
@@ -60,6 +62,32 @@ bool pushes(const MjcfActuator& actuator) {
   // What lengthens the tendon is gear times the force.
   const auto [least, most] = *actuator.force_range;
   return actuator.gear < 0.0 ? least < 0.0 : most > 0.0;
+}
+
+void setServo(Muscle& muscle, const MjcfActuator& actuator, double stiffness, double offset, XmlRobot& xml) {
+  muscle.shock_cord.stiffness = stiffness;
+  muscle.shock_cord.damping = std::max(0.0, -actuator.gear * actuator.gear * actuator.bias[2]);
+  muscle.kite_line_length = actuator.gear * actuator.bias[0] / stiffness - offset - muscle.shock_cord.rest_length;
+  const double shortens = -actuator.gear * actuator.gain / stiffness;  // [m] per unit of control
+  if (shortens > 0.0) {
+    muscle.spindle_radius = shortens;
+    xml.add(wordsOf(actuator), "a muscle whose shaft is the control; its motor and gearbox are placeholders", false,
+            actuator.place);
+  } else if (shortens == 0.0) {
+    xml.add(wordsOf(actuator),
+            "a muscle that its control does not move (its gain is 0); its spindle, motor and gearbox are placeholders",
+            true, actuator.place);
+  } else {
+    xml.add(wordsOf(actuator),
+            fmt::format("a muscle whose shaft is {:.6g} of the control; its motor and gearbox are placeholders",
+                        shortens / muscle.spindle_radius),
+            true, actuator.place);
+  }
+  if (pushes(actuator)) {
+    xml.add(fmt::format("{} that pushes", actuator.tag), "a line only pulls here", true, actuator.place);
+  } else if (actuator.force_range && actuator.gear * (*actuator.force_range)[actuator.gear < 0.0 ? 1 : 0] > -1e6) {
+    xml.add("actuator forcerange", "left out: no limit of a line's force", true, actuator.place);
+  }
 }
 
 PassiveTendon lineDrive(const MjcfActuator& actuator, const TendonPath& path, double offset, XmlRobot& xml) {

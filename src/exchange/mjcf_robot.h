@@ -146,6 +146,9 @@ bool exertsNothing(const MjcfActuator& actuator);
 bool isServo(const MjcfActuator& actuator);
 /// Whether an actuator of a tendon may push, too.
 bool pushes(const MjcfActuator& actuator);
+/// A servo that holds a tendon's length, force = gain u + bias0 + bias1 L: a cord behind a shaft.
+/// \param stiffness  -bias1 gear^2 > 0 [N/m] \param offset  MuJoCo's length less ours
+void setServo(Muscle& muscle, const MjcfActuator& actuator, double stiffness, double offset, XmlRobot& xml);
 /// The same of a servo along a line. \param offset  MuJoCo's length less ours
 PassiveTendon lineDrive(const MjcfActuator& actuator, const TendonPath& path, double offset, XmlRobot& xml);
 /// The body that carries one and moves: bodies without joints are welded to their parents; -1: the world.
