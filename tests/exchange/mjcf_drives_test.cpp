@@ -135,7 +135,7 @@ TEST(MjcfContacts, AreNamedWhereGeomsMayTouch) {
       "<worldbody><geom name='f' type='plane' size='1 1 1' contype='0' conaffinity='0'/>"
       "</worldbody><contact><pair geom1='g' geom2='f'/></contact>\n";
   EXPECT_THAT(places(readText(robot("", named, pair))), testing::SizeIs(2));
-  const std::string fork = "<body><joint/><geom size='0.1'/></body><body><joint/><geom size='0.1'/></body>\n";
+  const std::string fork = "<body><joint/><geom size='0.1'/></body>\n<body><joint/><geom size='0.1'/></body>\n";
   EXPECT_THAT(places(readText(robot("", named + fork, pair))), testing::SizeIs(4)) << "a pair excludes no others";
 }
 
