@@ -10,6 +10,17 @@
 #include "simgap/measure/logs/channel_checks.h"
 
 namespace simgap {
+namespace {
+
+/// Whether the load has one sign in the direction of motion, but for single rows.
+bool inOneQuadrant(const FrictionData& data, std::span<const double> rig) {
+  constexpr double kSingle = 0.01;  // of the rows
+  const Eigen::ArrayXd along = data.totalLoad(rig) * data.direction;
+  const double against = static_cast<double>(std::min((along > 0.0).count(), (along < 0.0).count()));
+  return against < kSingle * static_cast<double>(data.rows());
+}
+
+}  // namespace
 
 std::string missingForLaw(const FrictionModel& model, const FrictionData& data, bool predict_load) {
   const bool gain_fixed = model.parameters()[0].fixed;
@@ -43,16 +54,26 @@ std::string missingForLaw(const FrictionModel& model, const FrictionData& data, 
 std::string degenerateFit(const FrictionModel& model, const FrictionData& data, std::span<const double> theta,
                           bool predict_load) {
   constexpr double kNothing = 1e-6;  // of what is predicted: a driving effort or load that has no part in it
+  constexpr double kTakenUp = 0.05;  // likewise, where friction by the load can be all of it
   constexpr double kBeyond = 1e3;    // times the largest effort or load: a friction that no row shows
   const FrictionLaw& law = model.law();
   const double load = data.totalLoad(theta.subspan(1 + law.terms.size(), data.rig_names.size())).abs().maxCoeff();
   const double effort = data.effort.abs().maxCoeff();
   const double driving = predict_load ? effort : load, target = predict_load ? load : effort;
   const double gain = predict_load ? theta[0] : 1.0 / theta[0];
-  const bool no_gain = !model.parameters()[0].fixed && driving > 0.0 && gain * driving < kNothing * target;
+  const bool taken_up =
+      law.needsLoad() && inOneQuadrant(data, theta.subspan(1 + law.terms.size(), data.rig_names.size()));
+  const bool no_gain =
+      !model.parameters()[0].fixed && driving > 0.0 && gain * driving < (taken_up ? kTakenUp : kNothing) * target;
   const auto terms = theta.subspan(1, law.terms.size());
   if (no_gain || std::ranges::all_of(terms, [](double value) { return value == 0.0; })) {
     if (std::string sentence = oppositeSign(data); !sentence.empty()) return sentence;
+  }
+  if (no_gain && taken_up) {
+    return fmt::format(
+        "motion goes one way against loads of one sign, where k_a and friction that grows with the load act alike: "
+        "k_a cannot be found with {}; record both directions, fix it (--fix k_a=…), or use --model coulomb",
+        law.name);
   }
   if (no_gain) {
     return fmt::format(

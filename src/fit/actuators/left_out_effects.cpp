@@ -61,6 +61,7 @@ Eigen::ArrayXd slopeOfVelocity(const FrictionData& data) {
   constexpr double kHalf = 0.05;  // [s]: of 2 Hz, as fast as a bench moves, a tenth of a second leaves 95 %
   constexpr Index kPairs = 8;     // of rows before and after: more of a fast log tell no more
   const Index n = data.time.size();
+  if (!data.timed) return Eigen::ArrayXd::Zero(n);
   const auto most = static_cast<Index>(std::max(kHalf / std::max(rowSeconds(data), 1e-9), 1.0));
   std::vector<Index> after(data.rows(), 0);  // rows that follow
   for (Index i = n - 2; i >= 0; --i) after[i] = follow(data, i) ? after[i + 1] + 1 : 0;
@@ -87,6 +88,7 @@ LeastSquaresProblem withLeftOut(const LeastSquaresProblem& problem, const Fricti
   const bool in_load = std::ranges::find(data.derived, "acceleration") != data.derived.end();
   LeastSquaresProblem with = problem;
   with.parameters.push_back({kLeftOut[kDelay], "s", -most, most});
+  with.parameters.back().fixed = !data.timed;
   with.parameters.push_back({kLeftOut[kInertia], "1", -kInfinity, kInfinity});
   with.parameters.back().fixed = in_load || (acceleration == 0.0).all();
   with.evaluate = [&problem, &data, &target, &acceleration, theta](std::span<const double> at, const Block& rows,

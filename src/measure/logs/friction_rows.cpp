@@ -12,6 +12,7 @@
 #include "parallel_filter.h"
 #include "row_faults.h"
 #include "simgap/core/error.h"
+#include "simgap/core/statistics.h"
 #include "simgap/measure/logs/channel_checks.h"
 #include "simgap/measure/logs/motion.h"
 #include "simgap/measure/logs/rig_load.h"
@@ -68,6 +69,25 @@ void refuseDegrees(const ActuatorLog& log, std::span<const Block> runs) {
       fmt::format("{}: found a velocity that is {:.3g} times the slope of the position, expected both in the "
                   "units that their columns say{}",
                   log.file, scale->factor, slip));
+}
+
+/// Steady states without times, in any order: their speeds jump from row to row, which is no noise.
+bool areSteadyStates(const ActuatorLog& log, double dead_band_widths) {
+  constexpr double kJumps = 0.2;  // of the top speed: so wide a dead band would leave little
+  if (log.has_time || log.velocity.size() < 3) return false;
+  std::vector<double> speeds(log.velocity);
+  for (double& speed : speeds) speed = std::abs(speed);
+  return dead_band_widths * noiseLevel(log.velocity) > kJumps * quantile(std::move(speeds), 0.95);
+}
+
+/// Something has to be left to fit.
+void requireRows(const ActuatorLog& log, const MotionSign& sign) {
+  if (std::ranges::find(sign.keep, true) != sign.keep.end()) return;
+  const double top = std::abs(std::ranges::max(log.velocity, {}, [](double v) { return std::abs(v); }));
+  throw DataError(fmt::format(
+      "{}: no row of {} is left: the fastest moves at {:.3g} {}, what is within +-{:.3g} counts as rest (from what the "
+      "velocity changes by from row to row; --dead-band says another), and starts, stops and turns do not count",
+      log.file, log.rows(), top, log.velocityUnit(), sign.dead_band));
 }
 
 /// Drops rows channel by channel, in place: the data are the largest thing in memory.
@@ -183,8 +203,9 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
   if (derived_velocity && !dead_band) {
     dead_band = derivedDeadBand(log, runs, data.bandwidth, options.dead_band_widths);
   }
-  MotionSign sign =
-      options.raw_sign ? rawSign(log.velocity) : holdSign(log.velocity, options.dead_band_widths, dead_band);
+  const bool raw = options.raw_sign || (!dead_band && areSteadyStates(log, options.dead_band_widths));
+  MotionSign sign = raw ? rawSign(log.velocity) : holdSign(log.velocity, options.dead_band_widths, dead_band);
+  data.timed = log.has_time;
   data.dead_band = sign.dead_band;
   data.reversals = sign.reversals;
   const double blurred_seconds = blurredSeconds(data, derived_velocity, options);
@@ -195,6 +216,7 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
   leaveOutSwitchedOff(log, options, sign, data);
   leaveOutSpikes(options, sign, data);
   leaveOutShortRuns(runs, sign, data);
+  requireRows(log, sign);
   if (!options.raw_sign) smoothLikeMotion(log, runs, sign, data);
   const std::size_t rows = log.rows();
   data.blocks = splitBlocks(log.time, log.session, options.block_seconds);

@@ -29,6 +29,7 @@ double answer(const ActuatorLog& log, std::span<const Block> runs, double rate) 
 void smoothNoisyLoad(ActuatorLog& log, std::span<const Block> runs, FrictionData& data) {
   constexpr double kBends = 1e-3;    // of the load's variance: as much is k_a off
   constexpr double kAnswers = 0.15;  // correlation of the effort with noise that a controller, or the drive, feels
+  constexpr double kSame = 1e-9;     // of its size: what it varies by is round-off
   constexpr double kNothing = 1.5;   // times what smoothing leaves of white noise: no load acts
   if (!log.has_time || log.load.empty()) return;
   const double rate = samplingRate(log.time, runs);
@@ -36,6 +37,7 @@ void smoothNoisyLoad(ActuatorLog& log, std::span<const Block> runs, FrictionData
   std::vector<double> load = smoothRuns(log.time, log.load, runs, bandwidth);
   const std::vector<double> noise = difference(log.load, load);
   const double sd = robustDeviation(noise), spread = standardDeviation(load);
+  if (spread <= kSame * std::abs(load.front())) return;
   const double left = sd * std::sqrt(2.0 * bandwidth / rate);
   if (sd * sd <= kBends * spread * spread || spread < kNothing * left) return;
   if (answer(log, runs, rate) > kAnswers) return;

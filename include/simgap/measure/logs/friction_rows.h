@@ -57,6 +57,7 @@ struct FrictionData {
   std::vector<ChannelSpikes> spikes;  ///< samples that stood alone, by channel
   std::size_t log_rows = 0;
   std::size_t reversals = 0;
+  bool timed = true;                  ///< the log has times; else rows may be steady states in any order
   std::vector<std::string> warnings;  ///< sentences about the log, for people
 
   std::size_t rows() const { return static_cast<std::size_t>(time.size()); }
