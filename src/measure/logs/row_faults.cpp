@@ -124,19 +124,24 @@ void leaveOutRests(const ActuatorLog& log, double blurred_seconds, bool sticks_s
     rule.least_seconds = 0.0;
     rule.fewest_rows = 2;
   }
-  const std::vector<bool> rest = findRests(log.time, log.velocity, log.session, rule);
-  std::vector<bool> moving = sign.keep;
-  for (std::size_t i = 0; i < rest.size(); ++i) moving[i] = moving[i] && !rest[i];
-  const auto rests = std::ranges::count(sign.keep, true) - std::ranges::count(moving, true);
-  const auto left = std::ranges::count(moving, true);
-  if (rests == 0) return;
-  const double share = 100.0 * static_cast<double>(rests) / static_cast<double>(log.rows());
+  const auto movingRows = [&](const RestRule& by) {
+    const std::vector<bool> rest = findRests(log.time, log.velocity, log.session, by);
+    std::vector<bool> moving = sign.keep;
+    for (std::size_t i = 0; i < rest.size(); ++i) moving[i] = moving[i] && !rest[i];
+    return moving;
+  };
+  std::vector<bool> moving = movingRows(rule);
+  const auto counted = std::ranges::count(sign.keep, true), left = std::ranges::count(moving, true);
+  if (left == counted) return;
   if (left >= kFewestRows) {
+    rule.blurred_seconds = 0.0;
+    const auto still = counted - std::ranges::count(movingRows(rule), true), beside = counted - left - still;
     sign.keep = std::move(moving);
-    data.warnings.push_back(
-        fmt::format("the drive stands still in {} rows ({:.1f} %): they are left out, because a held "
-                    "drive's effort may lie anywhere within its static friction",
-                    rests, share));
+    data.warnings.push_back(fmt::format(
+        "the drive stands still in {} rows ({:.1f} %){}: they are left out, because a held drive's effort may lie "
+        "anywhere within its static friction",
+        still, 100.0 * static_cast<double>(still) / static_cast<double>(log.rows()),
+        beside > 0 ? fmt::format(", and {} are beside these, where smoothed motion is blurred", beside) : ""));
     return;
   }
   const std::string found = fmt::format("the drive moves in {} of {} rows", left, log.rows());
