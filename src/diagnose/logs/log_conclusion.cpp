@@ -65,9 +65,12 @@ std::string leftText(const Diagnosis& d) {
         "{:.0f} % of the squared error, {:.1f} times the noise, which no logged channel explains on data never used",
         d.left_over_percent, timesTheNoise(d));
   }
+  constexpr double kAsMuch = 0.8;  // of what the first is told by: it may as well be the second
   const Leftover& most = d.unexplained[0];
-  return fmt::format("{:.0f} % of the squared error, by {}{}", d.left_over_percent, most.channel,
-                     most.shape.empty() ? "" : fmt::format(" ({})", most.shape));
+  const bool two = d.unexplained.size() > 1 && d.unexplained[1].share > kAsMuch * most.share;
+  return fmt::format("{:.0f} % of the squared error, by {}{}{}", d.left_over_percent, most.channel,
+                     most.shape.empty() ? "" : fmt::format(" ({})", most.shape),
+                     two ? " and " + d.unexplained[1].channel : "");
 }
 
 double shareLeft(const Selection& selection, const Ceiling& left) {

@@ -97,6 +97,11 @@ TEST(LogConclusion, TheChannelThatCarriesMostIsNamedFirst) {
   sayWhatIsLeft(selection, minutesOfLog(1.0), left, d);
   ASSERT_EQ(d.unexplained.size(), 2u);
   EXPECT_EQ(d.unexplained[0].channel, "temperature");
+  conclude(d);
+  EXPECT_THAT(d.sentence, HasSubstr("by temperature."));
+  d.unexplained[1].share = 0.9 * d.unexplained[0].share;
+  conclude(d);
+  EXPECT_THAT(d.sentence, HasSubstr("by temperature and motor_velocity.")) << "as much";
 }
 
 TEST(LogConclusion, AnUnknownNoiseIsNoYardstick) {
