@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "cli/cli_fixture.h"
@@ -308,6 +309,24 @@ TEST_F(Springs, NameTwoCausesAtOnce) {
   truth.curve = reality::rubberCurve(0.05);
   truth.creep_stiffness = 60.0;
   EXPECT_THAT(namesIn(ask(truth, rig(11))), ::testing::UnorderedElementsAre("spring-softening", "spring-creep"));
+}
+
+/// One slow loop: neighbouring rows are alike, and yet what they miss together is no noise.
+TEST_F(Springs, WhatGoesSlowlyIsNoNoise) {
+  std::string log = "time_s,deflection_m,force_N\n";
+  std::mt19937 random(4);
+  std::normal_distribution<double> noise(0.0, 0.004);
+  for (int row = 0; row < 150; ++row) {
+    const double share = row / 149.0, there = 0.05 * (1.0 - std::abs(2.0 * share - 1.0));
+    const double loop = 0.9 * std::sin(2.0 * std::numbers::pi * share);
+    log += fmt::format("{},{},{}\n", 2.0 * row, there, 200.0 * there + loop + noise(random));
+  }
+  put("log.csv", log);
+  const Json result = diagnosis("spring");
+  const double left = result.at("extended").at("mse_heldout"), floor = result.at("baseline").at("noise_floor");
+  const double told = 0.01 * result.at("left_over").at("share_percent").get<double>();
+  ASSERT_GT(told, 0.2) << result.at("sentence");
+  EXPECT_LE(floor, (1.0 - told) * left * 1.000001) << result.at("sentence");
 }
 
 TEST_F(Springs, SayUnexplainedForWhatHasNoName) {
