@@ -73,7 +73,7 @@ void refuseDegrees(const ActuatorLog& log, std::span<const Block> runs) {
 
 /// Steady states without times, in any order: their speeds jump from row to row, which is no noise.
 bool areSteadyStates(const ActuatorLog& log, double dead_band_widths) {
-  constexpr double kJumps = 0.2;  // of the top speed: so wide a dead band would leave little
+  constexpr double kJumps = 0.5;  // of the top speed: so wide a dead band leaves little
   if (log.has_time || log.velocity.size() < 3) return false;
   std::vector<double> speeds(log.velocity);
   for (double& speed : speeds) speed = std::abs(speed);
