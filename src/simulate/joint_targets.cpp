@@ -53,7 +53,8 @@ JointTargets readJointTargets(const CsvTable& table, const ArmModel& model, bool
     throw DataError(
         fmt::format("{}:1: found {}, but '{}' is a {}: joints are led by muscles that a motor winds alone, "
                     "expected {}_{} and the commands of all others",
-                    table.name(), jointTargetOf(table, model), tendon.name, tendon.kind->name, tendon.commandStem(), tendon.kind->command.unit));
+                    table.name(), jointTargetOf(table, model), tendon.name, tendon.kind->name, tendon.commandStem(),
+                    tendon.kind->command.unit));
   }
   if (model.muscles.empty()) {
     throw DataError(fmt::format("{}:1: found target_…, but {} has no muscle, expected some that lead its joints",
