@@ -93,12 +93,10 @@ ArmModel readArmFile(Session& session, const std::string& role, const std::strin
 }
 
 CalibrationConfig readConfig(Session& session, const std::string& file, const ArmModel* model) {
-  if (model != nullptr && model->muscles.empty()) {
-    return readConfigOf<CalibrationConfig>(session, file, "configs/calibrate_lines.yaml",
-                                           assets::calibrate_lines_yaml(), model);
-  }
-  return readConfigOf<CalibrationConfig>(session, file, "configs/calibrate_arm.yaml", assets::calibrate_arm_yaml(),
-                                         model);
+  const bool lines = model != nullptr && model->muscles.empty();
+  return readConfigOf<CalibrationConfig>(session, file,
+                                         lines ? "configs/calibrate_lines.yaml" : "configs/calibrate_arm.yaml",
+                                         lines ? assets::calibrate_lines_yaml() : assets::calibrate_arm_yaml(), model);
 }
 
 MotionCalibrationConfig readMotionConfig(Session& session, const std::string& file, const ArmModel& model) {

@@ -24,20 +24,14 @@ Touching touchingOf(const MjcfRobot& robot, const MjcfGeom& geom) {
   return {geom.body < 0 ? "world" : robot.bodies[geom.body].said, body, hangs_on, geom.contype, geom.conaffinity};
 }
 
-/// What <contact> and <flag> say about geoms that meet.
+/// What <contact> says about geoms that meet.
 struct ContactRules {
-  bool neighbours = false;                                 ///< bodies touch those that they hang on, too
   std::set<std::pair<std::string, std::string>> excluded;  ///< bodies, either way round
   std::set<std::string> paired;                            ///< geoms that touch whatever else is said
 };
 
 ContactRules rulesOf(MjcfFile& file) {
   ContactRules rules;
-  for (const MjcfNode& option : file.sections("option")) {
-    for (const MjcfNode& flag : option.children()) {
-      if (flag.has("filterparent")) rules.neighbours = flag.text("filterparent") == "disable";
-    }
-  }
   for (const MjcfNode& section : file.sections("contact")) {
     for (const MjcfNode& node : section.children()) {
       if (node.tag() == "exclude") {
@@ -54,13 +48,13 @@ ContactRules rulesOf(MjcfFile& file) {
 }
 
 /// Geoms of one body never touch, those of a body and of the one that it hangs on seldom, but for the world's.
-bool mayTouch(const Touching& a, const Touching& b, const ContactRules& rules) {
+bool mayTouch(const Touching& a, const Touching& b, const ContactRules& rules, bool neighbours) {
   const auto hangs = [](const Touching& child, const Touching& on) {
     return child.body >= 0 && on.body >= 0 && child.hangs_on == on.body;
   };
   const bool asked = (a.contype & b.conaffinity) != 0 || (b.contype & a.conaffinity) != 0;
   return asked && a.body != b.body && !rules.excluded.contains({a.said, b.said}) &&
-         (rules.neighbours || (!hangs(a, b) && !hangs(b, a)));
+         (neighbours || (!hangs(a, b) && !hangs(b, a)));
 }
 
 }  // namespace
@@ -77,7 +71,7 @@ void nameContacts(MjcfFile& file, const MjcfRobot& robot) {
   for (const MjcfGeom& geom : robot.geoms) kinds.insert(touchingOf(robot, geom));
   std::set<Touching> touching;
   for (const Touching& kind : kinds) {
-    const auto meets = [&](const Touching& other) { return mayTouch(kind, other, rules); };
+    const auto meets = [&](const Touching& other) { return mayTouch(kind, other, rules, robot.neighbours_touch); };
     if (kinds.size() > kMostKinds || std::ranges::any_of(kinds, meets)) touching.insert(kind);
   }
   for (const MjcfGeom& geom : robot.geoms) {

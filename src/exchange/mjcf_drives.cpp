@@ -1,4 +1,4 @@
-// Actuators of joints: which of them are motors or servos here.
+// Actuators: which of them are motors, servos or muscles here.
 #include <fmt/format.h>
 
 #include <algorithm>

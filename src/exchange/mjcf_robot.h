@@ -107,8 +107,9 @@ struct MjcfActuator {
 struct MjcfRobot {
   std::string name;
   Eigen::Vector3d gravity = {0.0, 0.0, -kEarthGravity};
-  std::vector<MjcfBody> bodies;  ///< parents before children
-  bool contacts = true;          ///< MuJoCo computes them
+  std::vector<MjcfBody> bodies;   ///< parents before children
+  bool contacts = true;           ///< MuJoCo computes them
+  bool neighbours_touch = false;  ///< bodies those that they hang on, too
   std::vector<MjcfGeom> geoms;
   std::map<std::string, MjcfSite> sites;
   std::map<std::string, MjcfSurface> surfaces;

@@ -170,6 +170,7 @@ MjcfRobot readMjcfRobot(MjcfFile& file) {
     bool none = false;
     for (const MjcfNode& flag : option.children()) {
       none = none || flag.text("gravity") == "disable";
+      if (flag.has("filterparent")) robot.neighbours_touch = flag.text("filterparent") == "disable";
       robot.contacts = robot.contacts && flag.text("contact") != "disable" && flag.text("constraint") != "disable";
       for (const char* part :
            {"constraint", "equality", "limit", "spring", "damper", "passive", "actuation", "frictionloss"}) {

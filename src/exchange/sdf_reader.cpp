@@ -180,9 +180,9 @@ class SdfArm {
         }
         if (const XmlElement* const pose = xml_.child(*e, "pose")) {
           frame.pose = poseOf(*pose);
-          for (const char* said : {"frame", "relative_to"}) {
-            if (*said == 'f' && !frame_of_pose_) continue;
-            if (const char* other = xml_.find(*pose, said); other && *other) frame.relative_to = other;
+          const char* const usual = frame_of_pose_ ? xml_.find(*pose, "frame") : nullptr;
+          for (const char* other : {usual, xml_.find(*pose, "relative_to")}) {
+            if (other && *other) frame.relative_to = other;
           }
         }
         const std::string name = xml_.required(*e, "name");

@@ -67,37 +67,35 @@ Motion motionOf(const PlantingPlan& plan, LogTable log) {
   return m;
 }
 
-/// What every law takes up: an offset, friction, viscous friction, inertia; and where it lifts a weight, its pull.
-Eigen::MatrixXd ordinary(const Motion& m) {
-  Eigen::MatrixXd x(m.effort.size(), m.lifts ? 6 : 4);
+/// What laws take up: an offset, friction, viscous friction, inertia; and of one that lifts a weight its pull.
+Eigen::MatrixXd ordinary(const Motion& m, bool lifts) {
+  Eigen::MatrixXd x(m.effort.size(), lifts ? 6 : 4);
   x.leftCols(4) << Series::Ones(m.effort.size()), m.way * m.moving, m.speed, m.acceleration;
-  if (m.lifts) x.rightCols(2) << m.angle.sin(), m.angle.cos();
+  if (lifts) x.rightCols(2) << m.angle.sin(), m.angle.cos();
   return x;
 }
 
 Series unexplained(const Motion& m, const Series& signal) {
-  const Eigen::MatrixXd x = ordinary(m);
+  const Eigen::MatrixXd x = ordinary(m, m.lifts);
   const Eigen::VectorXd rest = signal.matrix() - x * x.colPivHouseholderQr().solve(signal.matrix());
   return rest.array();
 }
 
 /// What of the measured effort is friction: its part along direction and speed.
 Series frictionOf(const Motion& m) {
-  const Eigen::VectorXd c = ordinary(m).colPivHouseholderQr().solve(m.effort.matrix());
+  const Eigen::VectorXd c = ordinary(m, m.lifts).colPivHouseholderQr().solve(m.effort.matrix());
   return c[1] * m.way * m.moving + c[2] * m.speed;
 }
 
 /// What the motor gives as far as friction, inertia and a weight explain it, which most of these joints have: without
 /// the sensor's noise.
 Series givenEffort(const Motion& m) {
-  Eigen::MatrixXd x(m.effort.size(), 6);
-  x << Series::Ones(m.effort.size()), m.way * m.moving, m.speed, m.acceleration, m.angle.sin(), m.angle.cos();
+  const Eigen::MatrixXd x = ordinary(m, true);
   return (x * x.colPivHouseholderQr().solve(m.effort.matrix())).array();
 }
 
 /// How much viscous friction differs by direction before any of it is planted: plain least squares on rows that move,
-/// beside a weight. \returns its value and how far it lies from that without any
-/// twentieth of the log, as a standard deviation (jackknife)
+/// beside a weight. \returns its value and its standard deviation (jackknife over twentieths of the log)
 std::pair<double, double> ownAsymmetry(const Motion& m) {
   constexpr Index kParts = 20;
   Eigen::MatrixXd x(m.effort.size(), 7);
@@ -156,7 +154,7 @@ Series warmth(const Motion& m, double phase) {
 
 Shape frictionShape(const Motion& m, const std::string& effect, double u, double v) {
   const Series size = m.speed.abs() / m.top, friction = frictionOf(m), dry = m.way * m.moving;
-  const double dry_size = ordinary(m).colPivHouseholderQr().solve(m.effort.matrix())[1];
+  const double dry_size = ordinary(m, m.lifts).colPivHouseholderQr().solve(m.effort.matrix())[1];
   if (effect == "viscous-asymmetry") {
     return {"|w|", [=](double c) { return Series(c * m.speed.abs() * m.moving); }, 1.0 / m.top, "k_asym", {}};
   }

@@ -135,8 +135,7 @@ double measureLeft(const Selection& selection, const PreparedLog& log, const Eig
   const std::vector<EvidenceChannel> channels = evidenceChannels(log);
   d.evidence = binEvidence(log, channels, before, after, correlation);
   const Ceiling left = known ? *known : explainable(log, channels, after, seed);
-  // The floor is of all rows; what channels tell of rows that nothing was fitted to is no noise, however slowly it
-  // goes.
+  // The floor is of all rows; what channels tell of rows that had no part in a fit is no noise, however slow.
   d.noise_floor = std::min(floor, (1.0 - shareLeft(selection, left)) * d.extended.mse_heldout);
   const double explained = std::max(0.0, 1.0 - d.extended.mse_heldout / d.baseline.mse_heldout);
   d.explained_percent = 100.0 * explained;

@@ -13,11 +13,11 @@ namespace simgap {
 namespace {
 
 /// Whether the load has one sign in the direction of motion, but for single rows.
-bool inOneQuadrant(const FrictionData& data, std::span<const double> rig) {
+bool inOneQuadrant(const Eigen::ArrayXd& loads, const Eigen::ArrayXd& direction) {
   constexpr double kSingle = 0.01;  // of the rows
-  const Eigen::ArrayXd along = data.totalLoad(rig) * data.direction;
+  const Eigen::ArrayXd along = loads * direction;
   const double against = static_cast<double>(std::min((along > 0.0).count(), (along < 0.0).count()));
-  return against < kSingle * static_cast<double>(data.rows());
+  return against < kSingle * static_cast<double>(along.size());
 }
 
 }  // namespace
@@ -57,19 +57,19 @@ std::string degenerateFit(const FrictionModel& model, const FrictionData& data, 
   constexpr double kTakenUp = 0.05;  // likewise, where friction by the load can be all of it
   constexpr double kBeyond = 1e3;    // times the largest effort or load: a friction that no row shows
   const FrictionLaw& law = model.law();
-  const double load = data.totalLoad(theta.subspan(1 + law.terms.size(), data.rig_names.size())).abs().maxCoeff();
+  const Eigen::ArrayXd loads = data.totalLoad(theta.subspan(1 + law.terms.size(), data.rig_names.size()));
+  const double load = loads.abs().maxCoeff();
   const double effort = data.effort.abs().maxCoeff();
   const double driving = predict_load ? effort : load, target = predict_load ? load : effort;
   const double gain = predict_load ? theta[0] : 1.0 / theta[0];
-  const bool taken_up =
-      law.needsLoad() && inOneQuadrant(data, theta.subspan(1 + law.terms.size(), data.rig_names.size()));
+  const bool alike = law.needsLoad() && inOneQuadrant(loads, data.direction);
   const bool no_gain =
-      !model.parameters()[0].fixed && driving > 0.0 && gain * driving < (taken_up ? kTakenUp : kNothing) * target;
+      !model.parameters()[0].fixed && driving > 0.0 && gain * driving < (alike ? kTakenUp : kNothing) * target;
   const auto terms = theta.subspan(1, law.terms.size());
   if (no_gain || std::ranges::all_of(terms, [](double value) { return value == 0.0; })) {
     if (std::string sentence = oppositeSign(data); !sentence.empty()) return sentence;
   }
-  if (no_gain && taken_up) {
+  if (no_gain && alike) {
     return fmt::format(
         "motion goes one way against loads of one sign, where k_a and friction that grows with the load act alike: "
         "k_a cannot be found with {}; record both directions, fix it (--fix k_a=…), or use --model coulomb",

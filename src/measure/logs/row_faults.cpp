@@ -134,8 +134,12 @@ void leaveOutRests(const ActuatorLog& log, double blurred_seconds, bool sticks_s
   const auto counted = std::ranges::count(sign.keep, true), left = std::ranges::count(moving, true);
   if (left == counted) return;
   if (left >= kFewestRows) {
-    rule.blurred_seconds = 0.0;
-    const auto still = counted - std::ranges::count(movingRows(rule), true), beside = counted - left - still;
+    std::ptrdiff_t beside = 0;
+    if (blurred_seconds > 0.0) {
+      rule.blurred_seconds = 0.0;
+      beside = std::ranges::count(movingRows(rule), true) - left;
+    }
+    const auto still = counted - left - beside;
     sign.keep = std::move(moving);
     data.warnings.push_back(fmt::format(
         "the drive stands still in {} rows ({:.1f} %){}: they are left out, because a held drive's effort may lie "

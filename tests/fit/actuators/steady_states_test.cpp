@@ -18,21 +18,18 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Five speeds under nine loads each. \param shuffled  in an order that says nothing \param row_s  from row to row, in
-/// a column time_s; 0: without
-FrictionData dynamometer(bool shuffled, double row_s = 0.0) {
+/// Five speeds under nine loads each, without times. \param shuffled  in an order that says nothing
+FrictionData dynamometer(bool shuffled) {
   std::vector<int> order(45);
   std::iota(order.begin(), order.end(), 0);
   std::mt19937 random(5);
   if (shuffled) std::ranges::shuffle(order, random);
   std::normal_distribution<double> noise(0.0, 0.2);
-  std::string csv = "external_torque_Nm,motor_current_A,motor_velocity_rad_s";
-  csv += row_s > 0.0 ? ",time_s\n" : "\n";
-  for (std::size_t row = 0; row < order.size(); ++row) {
-    const double speed = 10.0 * (1 + order[row] / 9), load = 0.02 + 0.18 * (order[row] % 9);
+  std::string csv = "external_torque_Nm,motor_current_A,motor_velocity_rad_s\n";
+  for (const int state : order) {
+    const double speed = 10.0 * (1 + state / 9), load = 0.02 + 0.18 * (state % 9);
     const double current = (load + 0.0165 + 3e-4 * speed) / 0.0295 + noise(random);
-    csv += fmt::format("{},{},{}", load, current, speed);
-    csv += row_s > 0.0 ? fmt::format(",{}\n", row_s * static_cast<double>(row)) : "\n";
+    csv += fmt::format("{},{},{}\n", load, current, speed);
   }
   return prepareFrictionData(readActuatorLog(CsvTable::parse(csv, "dyno.csv"), {}), {}, {});
 }
