@@ -6,12 +6,13 @@ namespace simgap {
 
 const JointKind& kindOf(JointType type) { return **std::ranges::find(joint_kinds::all(), type, &JointKind::type); }
 
-JointType readJointType(const YamlNode& node) {
+std::vector<std::string> jointTypeNames() {
   std::vector<std::string> names;
   for (const JointKind* kind : joint_kinds::all()) names.emplace_back(kind->name);
-  const std::string name = node.oneOf(names);
-  return (*std::ranges::find(joint_kinds::all(), name, &JointKind::name))->type;
+  return names;
 }
+
+JointType readJointType(const YamlNode& node) { return findKind(&JointKind::name, node.oneOf(jointTypeNames()))->type; }
 
 const JointKind* findKind(const char* JointKind::*format, std::string_view name) {
   const auto found = std::ranges::find_if(

@@ -232,16 +232,6 @@ class MjcfArm {
     return !actuator.tendon.empty() && actuator.tendon == tendon.name;
   }
 
-  /// Whether joints change it: it runs over a wheel on one, or over two bodies.
-  static bool changesLength(const TendonPath& path) {
-    const int body = path.attachments[0].body;
-    const auto changes = [&](const Station& station) {
-      if (station.kind == Station::Kind::kJoint) return station.radius != 0.0;
-      return station.kind != Station::Kind::kPulley && station.at.body != body;
-    };
-    return path.attachments[1].body != body || std::ranges::any_of(path.between, changes);
-  }
-
   /// What no joint lengthens moves none.
   void leaveOutConstant(const MjcfTendon& tendon) {
     xml_.add("tendon of one length", "left out: no joint changes it", false, tendon.place);
@@ -253,7 +243,7 @@ class MjcfArm {
 
   void addTendon(const MjcfTendon& tendon) {
     const TendonPath path = pathOf(tendon);
-    if (!changesLength(path)) return leaveOutConstant(tendon);
+    if (!jointsChange(path)) return leaveOutConstant(tendon);
     const double length = lengthAt(path, [](const Joint&) { return 0.0; });
     const double offset = offsetOf(tendon);
     int pulling = 0;

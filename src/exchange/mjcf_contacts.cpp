@@ -1,4 +1,6 @@
 // Contacts are not modelled: which geoms MuJoCo lets touch each other, so that nobody misses them in silence.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <compare>
 #include <set>
@@ -6,6 +8,7 @@
 #include <utility>
 
 #include "mjcf_robot.h"
+#include "simgap/core/text.h"
 
 namespace simgap {
 namespace {
@@ -30,20 +33,33 @@ struct ContactRules {
   std::set<std::string> paired;                            ///< geoms that touch whatever else is said
 };
 
-ContactRules rulesOf(MjcfFile& file) {
+/// What the element names, as MuJoCo demands. \throws DataError: nothing has that name
+std::string named(const MjcfNode& node, const char* attribute, const std::set<std::string>& names, const char* what) {
+  std::string name = node.text(attribute);
+  if (!names.contains(name)) {
+    node.fail(fmt::format("{}: found '{}', expected the name of a {}", attribute, abridged(name), what));
+  }
+  return name;
+}
+
+ContactRules rulesOf(MjcfFile& file, const MjcfRobot& robot) {
+  std::set<std::string> bodies = {"world"}, geoms;
+  for (const MjcfBody& body : robot.bodies) bodies.insert(body.said);
+  for (const MjcfGeom& geom : robot.geoms) geoms.insert(geom.name);
+  bodies.erase("");
+  geoms.erase("");
   ContactRules rules;
   for (const MjcfNode& section : file.sections("contact")) {
     for (const MjcfNode& node : section.children()) {
       if (node.tag() == "exclude") {
-        const std::string a = node.text("body1"), b = node.text("body2");
+        const std::string a = named(node, "body1", bodies, "body"), b = named(node, "body2", bodies, "body");
         rules.excluded.insert({{a, b}, {b, a}});
       } else {
-        for (const char* const end : {"geom1", "geom2"}) rules.paired.insert(node.text(end));
+        for (const char* const end : {"geom1", "geom2"}) rules.paired.insert(named(node, end, geoms, "geom"));
       }
       node.remarkAll(node.tag() + " (contact)", "looked at for what may touch, left out", false);
     }
   }
-  rules.paired.erase("");
   return rules;
 }
 
@@ -66,7 +82,7 @@ int carrierOf(const MjcfRobot& robot, int body) {
 
 void nameContacts(MjcfFile& file, const MjcfRobot& robot) {
   constexpr std::size_t kMostKinds = 2000;  // beyond them none is spared a remark
-  const ContactRules rules = rulesOf(file);
+  const ContactRules rules = rulesOf(file, robot);
   std::set<Touching> kinds;
   for (const MjcfGeom& geom : robot.geoms) kinds.insert(touchingOf(robot, geom));
   std::set<Touching> touching;

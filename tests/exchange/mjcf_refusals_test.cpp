@@ -12,7 +12,7 @@ using testing::HasSubstr;
 
 std::string turning(const std::string& attributes = "") { return "<joint name='h'" + attributes + "/>\n" + kBall; }
 
-TEST(MjcfRefusals, AKeywordThatMuJoCoDoesNotKnowIsNoDefault) {
+TEST(MjcfRefusals, AKeywordOrNameThatMuJoCoDoesNotKnowIsRefused) {
   const auto actuator = [](const std::string& said) {
     return robot("", turning(), "<actuator><general joint='h' " + said + "/></actuator>\n");
   };
@@ -30,6 +30,10 @@ TEST(MjcfRefusals, AKeywordThatMuJoCoDoesNotKnowIsNoDefault) {
       {robot("", turning(" limited='yes'")), "limited: found 'yes', expected false, true, auto"},
       {robot("", turning() + "<geom type='cube' size='1 1 1'/>\n"), "robot.xml:6: geom: type: found 'cube', expected"},
       {robot("", turning() + "<site type='point'/>\n"), "site: type: found 'point', expected sphere"},
+      {robot("", turning(), "<contact><exclude body1='world' body2='arm'/></contact>\n"),
+       "exclude: body2: found 'arm', expected the name of a body"},
+      {robot("", turning(), "<contact><pair geom1='g' geom2='f'/></contact>\n"),
+       "pair: geom1: found 'g', expected the name of a geom"},
       {actuator("gaintype='Fixed'"), "general: gaintype: found 'Fixed', expected fixed, affine, muscle, user"},
       {actuator("biastype='afine'"), "biastype: found 'afine', expected none, affine, muscle, user"},
       {actuator("dyntype='filters'"), "dyntype: found 'filters', expected none, integrator, filter"},

@@ -58,10 +58,12 @@ struct JointKind {
 inline constexpr double kSlideLever = 0.2;
 
 const JointKind& kindOf(JointType type);
+/// Their names in our files.
+std::vector<std::string> jointTypeNames();
 /// The kind that a file names. \throws ConfigError: none of that name.
 JointType readJointType(const YamlNode& node);
 
-/// The kind whose name in another format, member mjcf, urdf or sdf, this is; nullptr: none.
+/// The kind whose name in a format, member name, mjcf, urdf or sdf, this is; nullptr: none.
 const JointKind* findKind(const char* JointKind::*format, std::string_view name);
 
 /// Error of a joint: geodesic angle in [0, pi], size of a hinge's turn [rad], distance of a slide [m].

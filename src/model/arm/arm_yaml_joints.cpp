@@ -80,12 +80,12 @@ Entry readJoint(const YamlNode& node, const std::vector<Body>& bodies, std::set<
   Entry entry{{}, false, "", node};
   Joint& joint = entry.joint;
   joint.name = readName(node, names);
-  if (second_version && node.at("type").isScalar() && node.at("type").text() == "fixed") {
-    entry.fixed = true;
-  } else {
-    joint.type = readJointType(node.at("type"));
-    if (!second_version && joint.slides()) node.at("type").fail("a prismatic joint needs 'format: simgap/arm/2'");
-  }
+  std::vector<std::string> types = jointTypeNames();
+  if (second_version) types.emplace_back("fixed");
+  const JointKind* kind = findKind(&JointKind::name, node.at("type").oneOf(types));
+  entry.fixed = kind == nullptr;
+  if (kind != nullptr) joint.type = kind->type;
+  if (!second_version && joint.slides()) node.at("type").fail("a prismatic joint needs 'format: simgap/arm/2'");
   joint.parent = bodyIndex(node.at("parent"), bodies);
   joint.child = bodyIndex(node.at("child"), bodies);
   joint.parent_position = node.vectorQuantity("parent_position", "m");

@@ -67,9 +67,9 @@ Station readSurfaceStation(const YamlNode& node, const ArmModel& model, const Pl
   const double distance = distanceFromMiddle(surface, drawnSide(station, model));
   if (distance <= surface.radius) {
     node.fail(
-        fmt::format("side_m: found a point {:.4g} m from the middle of '{}', inside its radius {:.4g} m; expected "
-                    "one outside: lines that run inside of a surface are not modelled",
-                    distance, name, surface.radius));
+        fmt::format("side_m: found a point {:.3g} mm inside of '{}', of radius {:.4g} m; expected one outside: lines "
+                    "that run inside of a surface are not modelled",
+                    (surface.radius - distance) / 1e-3, name, surface.radius));
   }
   return station;
 }
@@ -136,9 +136,8 @@ void checkPoints(const std::vector<Station>& stations, const std::vector<YamlNod
     const double distance = distanceFromMiddle(surface, point.at.point);
     if (distance > surface.radius) continue;
     nodes[leaves ? k + 1 : k].fail(
-        fmt::format("found a point {:.4g} m from the middle of '{}', inside its radius {:.4g} m, "
-                    "expected one outside",
-                    distance, surface.name, surface.radius));
+        fmt::format("found a point {:.3g} mm inside of '{}', of radius {:.4g} m, expected one outside",
+                    (surface.radius - distance) / 1e-3, surface.name, surface.radius));
   }
 }
 
@@ -171,12 +170,7 @@ TendonPath readLongPath(const YamlNode& list, const std::vector<YamlNode>& nodes
   TendonPath path;
   path.attachments = {stations.front().at, stations.back().at};
   path.between.assign(stations.begin() + 1, stations.end() - 1);
-  const int body = stations.front().at.body;
-  if (std::ranges::all_of(stations, [&](const Station& s) {
-        return s.kind == Kind::kPulley || (s.kind != Kind::kJoint && s.at.body == body);
-      })) {
-    list.fail("all of the line is on one body, expected at least two bodies");
-  }
+  if (!jointsChange(path)) list.fail("all of the line is on one body, expected at least two bodies");
   return path;
 }
 

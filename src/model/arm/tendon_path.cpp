@@ -175,6 +175,15 @@ void wrappedStretch(const PlacedSurface& surface, const Eigen::Vector3d& x0, con
   for (Eigen::Vector3d& touch : s.touch) touch += surface.centre;
 }
 
+bool jointsChange(const TendonPath& path) {
+  const int body = path.attachments[0].body;
+  const auto changes = [&](const Station& station) {
+    if (station.kind == Station::Kind::kJoint) return station.radius != 0.0;
+    return station.kind != Station::Kind::kPulley && station.at.body != body;
+  };
+  return path.attachments[1].body != body || std::ranges::any_of(path.between, changes);
+}
+
 PathParts partsOf(const TendonPath& path) {
   PathParts parts;
   double weight = 1.0;

@@ -74,6 +74,9 @@ struct PathParts {
 };
 PathParts partsOf(const TendonPath& path);
 
+/// Whether joints change its length: it runs over a wheel on one, or over two bodies.
+bool jointsChange(const TendonPath& path);
+
 /// The stretch where the bodies are now.
 /// \param bodies  of the model, which have the surfaces; \param placed  shape (bodies)
 void placeStretch(std::span<const Body> bodies, const PathStretch& part, std::span<const BodyInWorld> placed,
