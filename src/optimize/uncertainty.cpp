@@ -172,6 +172,30 @@ MatrixXd correlationOf(const MatrixXd& covariance) {
   return correlation;
 }
 
+/// sum_i r_i r_(i + lag) within sessions.
+double productsAt(Index lag, const VectorXd& residual, std::span<const int> session) {
+  const Index n = residual.size();
+  if (session.front() == session.back()) return residual.head(n - lag).dot(residual.tail(n - lag));
+  double sum = 0.0;
+  for (Index i = 0; i + lag < n; ++i) {
+    if (session[i] == session[i + lag]) sum += residual[i] * residual[i + lag];
+  }
+  return sum;
+}
+
+/// Of few rows: the sum over the lags before the first at which residuals are opposed (Geyer 1992). A short log whose
+/// errors bend to and fro has as much of them below zero as above, which takes nothing off their being alike.
+double correlationTimeOfFew(const VectorXd& residual, std::span<const int> session) {
+  const double variance = residual.squaredNorm();
+  double time = 1.0;
+  for (Index lag = 1; lag < residual.size() / 2; ++lag) {
+    const double sum = productsAt(lag, residual, session);
+    if (!(sum > 0.0)) break;
+    time += 2.0 * sum / variance;
+  }
+  return time;
+}
+
 }  // namespace
 
 std::vector<std::string> describeUndetermined(const Uncertainty& result) {
@@ -204,23 +228,11 @@ std::vector<std::string> describeUndetermined(const Uncertainty& result) {
 
 double correlationTime(const Eigen::VectorXd& residual, std::span<const int> session) {
   constexpr double kWindow = 6.0;  // correlation times after which the sum stops
-  const Index n = residual.size();
   const double variance = residual.squaredNorm();
   if (!(variance > 0.0)) return 1.0;
   double time = 1.0;
-  for (Index lag = 1; lag < n / 4 && static_cast<double>(lag) < kWindow * std::max(time, 1.0); ++lag) {
-    double sum = 0.0;
-    const bool one_session = session.front() == session.back();
-    if (one_session) {
-      sum = residual.head(n - lag).dot(residual.tail(n - lag));
-    } else {
-      for (Index i = 0; i + lag < n; ++i) {
-        if (session[i] == session[i + lag]) {
-          sum += residual[i] * residual[i + lag];
-        }
-      }
-    }
-    time += 2.0 * sum / variance;
+  for (Index lag = 1; lag < residual.size() / 4 && static_cast<double>(lag) < kWindow * std::max(time, 1.0); ++lag) {
+    time += 2.0 * productsAt(lag, residual, session) / variance;
   }
   return std::max(time, 1.0);
 }
@@ -243,9 +255,12 @@ Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<co
 
   // Residuals that are alike over tau rows tell as much as n / tau independent ones.
   result.correlation_rows = correlationTime(at.residual, session);
-  result.n_effective = n / result.correlation_rows;
   const std::vector<NormalSums> blocks =
       jackknifeBlocks(at.sums, pieces, session, result.correlation_rows, free.size());
+  if (blocks.empty()) {
+    result.correlation_rows = std::max(result.correlation_rows, correlationTimeOfFew(at.residual, session));
+  }
+  result.n_effective = n / result.correlation_rows;
   result.blocks = blocks.size();
   const auto parameters = static_cast<double>(free.size());
   const double variance = at.residual.squaredNorm() / std::max(n - parameters, 1.0) * result.correlation_rows;

@@ -173,6 +173,9 @@ class Judge {
     if (std::string sign = doubtOfLoadSign(cause); !sign.empty()) return sign;
     const PlaceboTest placebos = testPlacebos(search_, full, without_[cause], effect, options_.seed);
     if (placebos.p <= kPlaceboLevel) return {};
+    if (placebos.p == 1.0 && placebos.gain == 0.0) {
+      return "too few rows count to compare it with signals of its colour that belong to no motion";
+    }
     return fmt::format("signals of its colour that belong to no motion explain as much ({:.1f} % against {:.1f} %)",
                        100.0 * placebos.largest, 100.0 * placebos.gain);
   }

@@ -60,9 +60,10 @@ LogSplit splitLog(const PreparedLog& log, const LogDiagnosisOptions& options) {
   }
   if (!isEnough(split, log)) {
     throw DataError(
-        fmt::format("{}: found {} blocks to learn from and {} to hold out, expected at least 5 and 1: record "
-                    "longer, or hold out less",
-                    log.file, split.training.size(), split.heldout.size()));
+        fmt::format("{}: found {} blocks to learn from and {} to hold out, of {} rows each, expected at least 5 and 1: "
+                    "record {} times as long, or hold out less",
+                    log.file, split.training.size(), split.heldout.size(), log.blocks.front().size(),
+                    std::max<std::size_t>(2, 6 / std::max<std::size_t>(1, log.blocks.size()) + 1)));
   }
   return split;
 }

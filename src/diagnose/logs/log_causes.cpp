@@ -77,11 +77,12 @@ void addDetectable(const LogSearch& search, const std::vector<Trial>& trials, do
     // Of the effort, root mean squares over all rows.
     const double change = factor * std::sqrt(covariance(k, k)) * at.jacobian.col(k).norm(),
                  whole = search.data().rows.effort.matrix().norm();
-    if (change > whole) {
+    const bool shown = trial.gain && trial.gain->lower95 > 0.0;  // however far its own size is from being known
+    if (change > whole && !shown) {
       d.not_testable.push_back({std::string(effect.name), fmt::format("this log would show a {} of {:.2g} {} and more, "
                                                                       "which is more than the effort itself",
                                                                       name, factor * p.sd, p.unit)});
-    } else {
+    } else if (change <= whole) {
       d.detectable.push_back({std::string(effect.name), {}, name, p.unit, factor * p.sd});
     }
   }

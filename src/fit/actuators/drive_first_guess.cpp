@@ -164,9 +164,9 @@ class FirstGuess {
     if (!(best.cost < kOtherSign * as_it_is)) return;
     const auto rms = [&](double cost) { return std::sqrt(std::max(cost, 0.0) / static_cast<double>(all.rows())); };
     throw DataError(fmt::format(
-        "{0}: {1} has the opposite sign: turned round, load and friction explain the current to {2:.3g} A, as it is to "
-        "{3:.3g}; turn it with --map {1}=COLUMN*-1",
-        log_.file, best.channel, rms(best.cost), rms(as_it_is)));
+        "{}: {} has the opposite sign: turned round, load and friction explain the current to {:.3g} A, as it is to "
+        "{:.3g}; {}",
+        log_.file, best.channel, rms(best.cost), rms(as_it_is), turnItRound(best.channel)));
   }
 
   /// \param amperes  per torque of the load

@@ -76,8 +76,8 @@ std::string oppositeSign(const FrictionData& data) {
   const auto rms = [&](double cost) { return std::sqrt(std::max(cost, 0.0) / static_cast<double>(data.rows())); };
   return fmt::format(
       "{} has the opposite sign: turned round, load and friction explain the effort to {:.3g} {}, as it is to {:.3g}; "
-      "turn it with --map {}=COLUMN*-1",
-      best.channel, rms(best.cost), data.effort_unit, rms(as_it_is), best.channel);
+      "{}",
+      best.channel, rms(best.cost), data.effort_unit, rms(as_it_is), turnItRound(best.channel));
 }
 
 }  // namespace simgap

@@ -2,9 +2,13 @@
 /// What a regression whose coefficients cannot be negative says about the signs of its columns.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <span>
+#include <string>
+#include <string_view>
 
 #include "simgap/optimize/separable.h"
 
@@ -24,6 +28,11 @@ inline bool goesBothWays(const Eigen::Ref<const Eigen::ArrayXd>& direction) {
 /// \param gram  normal matrix of [X y], shape (C + 1, C + 1). \param signs  1 or -1 each, shape (C + 1)
 inline double costTurned(const Eigen::MatrixXd& gram, const Eigen::VectorXd& signs, std::span<const LinearTerm> terms) {
   return solveBounded(signs.asDiagonal() * gram * signs.asDiagonal(), terms).cost;
+}
+
+/// How to mend it. \param channel  as simgap calls it; the file may have it in another unit
+inline std::string turnItRound(std::string_view channel) {
+  return fmt::format("turn it with --map {}=COLUMN*-1, with the unit of COLUMN in the name", channel);
 }
 
 }  // namespace simgap

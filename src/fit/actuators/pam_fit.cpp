@@ -159,6 +159,31 @@ class PamProblem {
   std::vector<double> inside_, opposing_inside_;  ///< [N]
 };
 
+/// A tendon shows by what it stretches, f / k: the interval is one of 1 / k, which may be that of none (1 / k = 0).
+void turnRoundInterval(double quantile, const ParameterSpec& spec, Estimate& k) {
+  if (k.fixed || k.at_bound || !k.identifiable) return;
+  const double compliance = 1.0 / k.value, reach = quantile * k.sd * compliance * compliance;
+  k.lower95 = std::max(1.0 / (compliance + reach), spec.lower);
+  k.upper95 = compliance > reach ? std::min(1.0 / (compliance - reach), spec.upper) : spec.upper;
+}
+
+/// Forces that no muscle of the model has take part in the fit all the same.
+std::string impossibleForces(const PamLog& log) {
+  constexpr double kOfLargest = 0.02;  // [of the largest force] what is less is noise
+  if (log.of_joint) return {};
+  const double least = kOfLargest * std::ranges::max(log.force);
+  std::size_t pushing = 0, empty = 0;
+  for (std::size_t i = 0; i < log.rows(); ++i) {
+    pushing += log.force[i] < -least ? 1 : 0;
+    empty += log.pressure[i] <= 0.0 && log.force[i] > least ? 1 : 0;
+  }
+  if (pushing + empty == 0) return {};
+  return fmt::format(
+      "in {} of {} rows the muscle pushes, in {} it pulls without pressure: the model knows neither (its force is 0 "
+      "there), and they pull at a, b and c; leave them out where they are not of interest",
+      pushing, log.rows(), empty);
+}
+
 /// What a level that was never changed leaves open.
 std::vector<const char*> unmoved(const PamLog& log, const PamFitOptions& options) {
   std::vector<const char*> sentences;
@@ -208,16 +233,15 @@ std::string oppositeJointSign(const PamLog& log, const PamFit& fit, const PamFit
     if (turn.mse < best.mse && !risesWithContraction(other, turned)) best = turn;
   }
   if (!(best.mse < kOtherSign * fit.mse)) return {};
-  std::string names = best.angle ? "angle_rad" : log.force_column, how = fmt::format("--map {}=COLUMN*-1", names);
+  std::string names = best.angle ? "angle_rad" : log.force_column, how = turnItRound(names);
   if (best.angle && best.torque) {
     names += " and " + log.force_column;
-    how += fmt::format(" --map {}=COLUMN*-1{}", log.force_column,
+    how += fmt::format(", {} likewise{}", log.force_column,
                        log.opposed() ? ", or exchange the pressures if they are those of each other's muscle" : "");
   }
-  return fmt::format(
-      "{} {}: turned round, a muscle explains the force to {:.3g} N, as it is to {:.3g}; turn it with {}", names,
-      best.angle && best.torque ? "have the opposite sign" : "has the opposite sign", std::sqrt(best.mse),
-      std::sqrt(fit.mse), how);
+  return fmt::format("{} {}: turned round, a muscle explains the force to {:.3g} N, as it is to {:.3g}; {}", names,
+                     best.angle && best.torque ? "have the opposite sign" : "has the opposite sign",
+                     std::sqrt(best.mse), std::sqrt(fit.mse), how);
 }
 
 }  // namespace
@@ -232,6 +256,20 @@ std::optional<PamGeometry> geometryOf(double a, double c) {
 }
 
 namespace {
+
+/// b = -2 a, and so its deviation, interval and covariances.
+void tieSecond(PamFit& fit) {
+  Uncertainty& u = fit.uncertainty;
+  fit.theta[1] = -2.0 * fit.theta[0];
+  Estimate& b = u.estimates[1];
+  const Estimate& a = u.estimates[0];
+  b.value = fit.theta[1], b.sd = 2.0 * a.sd, b.lower95 = -2.0 * a.upper95, b.upper95 = -2.0 * a.lower95;
+  b.fixed = false;
+  u.covariance.row(1) = -2.0 * u.covariance.row(0);
+  u.covariance.col(1) = -2.0 * u.covariance.col(0);
+  u.correlation.row(1) = -u.correlation.row(0);
+  u.correlation.col(1) = -u.correlation.col(0);
+}
 
 PamFit fitAsRead(const PamLog& log, const PamFitOptions& options, const std::vector<bool>& rows) {
   // Pressures and lengths are set to levels: only their units can be checked.
@@ -251,6 +289,8 @@ PamFit fitAsRead(const PamLog& log, const PamFitOptions& options, const std::vec
   if (isConstant(log.force))
     throw DataError(log.file + ": force_N is constant throughout: nothing can be found from it");
   for (const char* sentence : unmoved(log, options)) fit.warnings.emplace_back(sentence);
+  if (std::string impossible = impossibleForces(log); !impossible.empty())
+    fit.warnings.push_back(std::move(impossible));
   std::vector<LeastSquaresResult> found;
   if (!options.spring) {
     const double k = options.fixed.contains("k") ? options.fixed.at("k") : kInfinity;
@@ -270,13 +310,8 @@ PamFit fitAsRead(const PamLog& log, const PamFitOptions& options, const std::vec
   fit.theta = found.front().theta;
   fit.mse = found.front().cost / static_cast<double>(fit.n);
   fit.uncertainty = estimateUncertainty(problem, fit.theta, model.session);
-  if (options.tied) {
-    fit.theta[1] = -2.0 * fit.theta[0];
-    Estimate& b = fit.uncertainty.estimates[1];
-    const Estimate& a = fit.uncertainty.estimates[0];
-    b.value = fit.theta[1], b.sd = 2.0 * a.sd, b.lower95 = -2.0 * a.upper95, b.upper95 = -2.0 * a.lower95,
-    b.fixed = false;
-  }
+  turnRoundInterval(fit.uncertainty.quantile, problem.parameters[3], fit.uncertainty.estimates[3]);
+  if (options.tied) tieSecond(fit);
   if (!options.spring) {
     if (!options.fixed.contains("k")) fit.theta[3] = kInfinity;
     if (!options.fixed.contains("k")) fit.uncertainty.estimates.pop_back();

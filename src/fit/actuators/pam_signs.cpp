@@ -43,10 +43,10 @@ std::string oppositePamSign(const PamLog& log) {
   const bool of_force = turned_force <= turned_contraction;
   const double turned = of_force ? turned_force : turned_contraction;
   if (!(turned * turned < kOtherSign * as_it_is * as_it_is)) return {};
+  const std::string channel = of_force ? log.force_column : "contraction";
   return fmt::format(
-      "{0} has the opposite sign: turned round, a muscle explains the force to {1:.3g} N, as it is to {2:.3g}; turn it "
-      "with --map {0}=COLUMN*-1",
-      of_force ? log.force_column : "contraction", turned, as_it_is);
+      "{} has the opposite sign: turned round, a muscle explains the force to {:.3g} N, as it is to {:.3g}; {}",
+      channel, turned, as_it_is, turnItRound(channel));
 }
 
 }  // namespace simgap

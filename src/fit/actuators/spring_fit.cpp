@@ -7,6 +7,7 @@
 
 #include "simgap/core/decompositions.h"
 #include "simgap/core/error.h"
+#include "simgap/core/statistics.h"
 #include "simgap/fit/actuators/parameter_choices.h"
 #include "simgap/measure/logs/channel_checks.h"
 #include "simgap/model/actuator/fitted_model.h"
@@ -164,9 +165,29 @@ Unloaded unloadedDeflection(const SpringFit& fit) {
   return {-b / k, variance > 0.0 ? std::sqrt(variance) : std::nan("")};
 }
 
+/// Why it is no cord below its rest length: nothing is slack there, or the force still rises. Empty where it may be.
+std::string doubtOfCord(const SpringFit& fit, const PreparedLog& log) {
+  constexpr double kFewestSlack = 0.02;  // of the rows
+  constexpr double kFlat = 0.1;          // of the cord's stiffness
+  const ActuatorRows& all = log.data.rows;
+  std::vector<double> deflection, force;
+  for (Index i = 0; i < all.rows(); ++i) {
+    if (!log.data.keep[i] || all.deflection[i] >= fit.theta[kRestLength]) continue;
+    deflection.push_back(all.deflection[i]);
+    force.push_back(all.effort[i]);
+  }
+  const auto slack = static_cast<double>(force.size());
+  if (slack < kFewestSlack * static_cast<double>(all.rows())) return "hardly a row of a cord would be slack";
+  const double spread = standardDeviation(deflection);
+  if (slack < 3.0 || !(spread > 0.0)) return {};
+  const double r = correlation(deflection, force), slope = r * standardDeviation(force) / spread;
+  const double sd = slope * std::sqrt((1.0 / (r * r) - 1.0) / (slack - 2.0));  // of a straight line's slope
+  if (!(slope - 2.0 * sd > kFlat * fit.theta[0])) return {};
+  return "a cord is slack below its rest length, where the force still rises";
+}
+
 SpringComparison compareSprings(const PreparedLog& log, const SpringFitOptions& options, const Holdout& holdout,
                                 const std::optional<double>& block_s) {
-  constexpr double kFewestSlack = 0.02;  // of the rows
   const ActuatorRows& rows = log.data.rows;
   const std::vector<double> time(rows.time.begin(), rows.time.end());
   const JudgedRows judged = judgedRows(
@@ -186,8 +207,7 @@ SpringComparison compareSprings(const PreparedLog& log, const SpringFitOptions& 
     candidates.push_back(candidate("spring", false));
   }
   candidates.push_back(candidate(kCord, true));
-  const double slack = (rows.deflection < candidates.back().fit.theta[kRestLength]).cast<double>().mean();
-  comparison.choose(slack < kFewestSlack ? "hardly a row of a cord would be slack" : "");
+  comparison.choose(doubtOfCord(candidates.back().fit, log));
   return comparison;
 }
 

@@ -28,10 +28,10 @@ std::string oppositeWindingSign(std::span<const double> voltage, std::span<const
   const bool of_current = turned_current < turned_velocity;
   const double turned = of_current ? turned_current : turned_velocity;
   if (!(turned * turned < kOtherSign * as_it_is * as_it_is)) return {};
+  const char* channel = of_current ? "current_A" : "velocity_rad_s";
   return fmt::format(
-      "the {0} has the opposite sign: turned round, a winding explains the voltage to {1:.3g} V, as it is to {2:.3g}; "
-      "turn it with --map {0}=COLUMN*-1",
-      of_current ? "current_A" : "velocity_rad_s", turned, as_it_is);
+      "the {} has the opposite sign: turned round, a winding explains the voltage to {:.3g} V, as it is to {:.3g}; {}",
+      channel, turned, as_it_is, turnItRound(channel));
 }
 
 }  // namespace simgap

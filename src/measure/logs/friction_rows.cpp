@@ -71,10 +71,13 @@ void refuseDegrees(const ActuatorLog& log, std::span<const Block> runs) {
                   log.file, scale->factor, slip));
 }
 
-/// Steady states without times, in any order: their speeds jump from row to row, which is no noise.
+/// Steady states without times, in any order: of a table there are few rows, or their speeds jump from row to row,
+/// which is no noise.
 bool areSteadyStates(const ActuatorLog& log, double dead_band_widths) {
-  constexpr double kJumps = 0.5;  // of the top speed: so wide a dead band leaves little
+  constexpr std::size_t kTable = 100;  // rows; a recording of fewer is over within a second
+  constexpr double kJumps = 0.5;       // of the top speed: so wide a dead band leaves little
   if (log.has_time || log.velocity.size() < 3) return false;
+  if (log.velocity.size() < kTable) return true;
   std::vector<double> speeds(log.velocity);
   for (double& speed : speeds) speed = std::abs(speed);
   return dead_band_widths * noiseLevel(log.velocity) > kJumps * quantile(std::move(speeds), 0.95);

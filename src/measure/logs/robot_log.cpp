@@ -13,7 +13,9 @@
 #include "row_faults.h"
 #include "simgap/core/error.h"
 #include "simgap/core/rotation.h"
+#include "simgap/core/statistics.h"
 #include "simgap/measure/logs/channel_checks.h"
+#include "simgap/measure/logs/resolution.h"
 #include "simgap/measure/logs/rests.h"
 #include "simgap/measure/logs/stamps.h"
 #include "turns.h"
@@ -166,6 +168,15 @@ void leaveOutPresliding(const ActuatorLog& log, std::span<const Block> runs, std
 /// The bandwidth of a motion that is smoothed less, of the usual one.
 constexpr double kSharper = 1.4;
 
+/// Whether a measured velocity's noise would take much of the motion for rests: which way it goes is then told by what
+/// smoothing leaves.
+bool isNoisy(std::span<const double> velocity, double dead_band_widths) {
+  constexpr double kMuch = 0.1;  // of the top speed
+  std::vector<double> speeds(velocity.begin(), velocity.end());
+  for (double& speed : speeds) speed = std::abs(speed);
+  return dead_band_widths * noiseLevel(velocity) > kMuch * quantile(std::move(speeds), 0.95);
+}
+
 /// Velocity and acceleration, and in which rows the joint moves.
 void completeJoint(JointReader& reader, std::span<const Block> runs, const std::vector<double>& time,
                    std::optional<double> presliding, RobotJointLog& joint) {
@@ -184,8 +195,10 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
   joint.sharper_velocity = std::move(sharper.velocity);
   joint.sharper_acceleration = std::move(sharper.acceleration);
   const FrictionDataOptions options;
+  const bool noisy = joint.measured_velocity && isNoisy(log.velocity, options.dead_band_widths);
   std::optional<double> dead_band;
-  if (!joint.measured_velocity) {
+  if (noisy) log.velocity = smoothRuns(log.time, log.velocity, runs, notes.bandwidth);
+  if (noisy || !joint.measured_velocity) {
     constexpr double kRounding = 1e-9;  // [rad/s] what smoothing makes of a joint that is held
     dead_band = std::max(kRounding, derivedDeadBand(log, runs, notes.bandwidth, options.dead_band_widths));
   }
@@ -199,7 +212,9 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
     for (const std::size_t row : spikes.rows) sign.keep[row] = false;
   }
   joint.resting = static_cast<std::size_t>(std::ranges::count(sign.keep, false));
-  if (joint.measured_velocity) log.velocity = smoothRuns(log.time, log.velocity, runs, notes.bandwidth);
+  if (joint.measured_velocity && !noisy) {
+    log.velocity = smoothRuns(log.time, log.velocity, runs, notes.bandwidth);
+  }
   joint.velocity = std::move(log.velocity);
   joint.acceleration = std::move(log.acceleration);
   joint.effort = std::move(log.effort);

@@ -103,9 +103,11 @@ FitSummary summarise(const DriveReport& report) {
                                channelText(fit.channels[c], judged.channels[c].rms_heldout));
   }
   for (const FittedDelay& delay : fit.fitted_delays) {
-    summary.facts.emplace_back(
-        delay.channel, fmt::format("{:.3g} ± {:.2g} ms after {} ({:.2f} rows)", 1e3 * delay.seconds, 1e3 * delay.sd,
-                                   delay.against, delay.rows));
+    const std::string size = std::isfinite(delay.sd)
+                                 ? fmt::format("{:.3g} ± {:.2g} ms", 1e3 * delay.seconds, 1e3 * delay.sd)
+                                 : fmt::format("{:.3g} ms or more", 1e3 * delay.seconds);
+    summary.facts.emplace_back(delay.channel,
+                               fmt::format("{} after {} ({:.2f} rows)", size, delay.against, delay.rows));
   }
   return summary;
 }

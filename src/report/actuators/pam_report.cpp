@@ -89,7 +89,10 @@ FitSummary summarise(const PamReport& report) {
   for (const ChannelSpikes& spikes : report.log.spikes) {
     summary.warnings.push_back(standsAlone(spikes) + ": put right by what lies beside them");
   }
-  if (const auto geometry = geometryOf(chosen.fit.theta[0], chosen.fit.theta[2])) {
+  // Geometry demands b = -2 a as well (002 eq. 12): far from that a and c are those of no braid.
+  const double tied = chosen.fit.theta[1] / (-2.0 * chosen.fit.theta[0]);
+  const auto geometry = geometryOf(chosen.fit.theta[0], chosen.fit.theta[2]);
+  if (geometry && tied > 0.5 && tied < 2.0) {
     summary.facts.emplace_back("geometry of a and c",
                                fmt::format("diameter {:.1f} mm, braid angle {:.1f} deg", 1e3 * geometry->diameter,
                                            geometry->angle * 180.0 / std::numbers::pi));

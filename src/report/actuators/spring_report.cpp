@@ -123,12 +123,14 @@ FitSummary summarise(const SpringReport& report) {
   summary.target = isAngular(report) ? "torque" : "force";
   summary.target_unit = report.log.data.load_unit;
   summary.warnings = springWarnings(report);
-  const Unloaded rest = unloadedDeflection(report.comparison.chosen().fit);
+  const SpringFit& fit = report.comparison.chosen().fit;
+  const Unloaded rest = unloadedDeflection(fit);
   if (std::isfinite(rest.deflection)) {
-    summary.facts.emplace_back(
-        report.own_length ? "rest length" : "no force at",
-        fmt::format("{}{} {}", valueText(rest.deflection, rest.sd),
-                    std::isfinite(rest.sd) ? fmt::format(" ± {:.2g}", rest.sd) : "", unitText(report)));
+    summary.facts.emplace_back(report.own_length ? "rest length"
+                               : fit.cord        ? "slack below"
+                                                 : "no force at",
+                               fmt::format("{}{} {}", valueText(rest.deflection, rest.sd),
+                                           rest.sd > 0.0 ? fmt::format(" ± {:.2g}", rest.sd) : "", unitText(report)));
   }
   summary.transfer = report.transfer;
   return summary;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,12 +28,24 @@ struct FitComparison {
   std::string chosen_by = "lower held-out error";  ///< why it is the best, in words
   std::string heldout;                             ///< which rows, in words
   const FitCandidate<Fit>& chosen() const { return candidates[best]; }
-  /// The richer model, the last, unless it gains nothing. \param doubt  why it may not be; empty: it may
+  /// The richer model, the last, unless it gains nothing, or no more than its further numbers would by chance.
+  /// \param doubt  why else it may not be; empty: it may
   void choose(std::string doubt) {
-    const bool gains = candidates.back().judgedError() < candidates.front().judgedError();
+    const FitCandidate<Fit>&simple = candidates.front(), &rich = candidates.back();
+    const bool gains = rich.judgedError() < simple.judgedError();
+    if (doubt.empty() && gains && !outweighsItsNumbers(simple.fit, rich.fit)) {
+      doubt = rich.name + " gains no more than its further parameter would by chance";
+    }
     best = gains && doubt.empty() ? candidates.size() - 1 : 0;
     if (!chosen().mse_heldout) chosen_by = "lower error";
     if (gains && !doubt.empty()) chosen_by = std::move(doubt);
+  }
+
+ private:
+  /// Schwarz' criterion, by as many rows as are independent: n ln(e_0 / e_1) > (p_1 - p_0) ln n.
+  static bool outweighsItsNumbers(const Fit& simple, const Fit& rich) {
+    const double n = rich.uncertainty.n_effective, further = static_cast<double>(rich.parameters - simple.parameters);
+    return n * std::log(simple.mse / std::max(rich.mse, 1e-300)) > further * std::log(std::max(n, 1.0));
   }
 };
 
