@@ -63,6 +63,31 @@ class Springs : public CliTest {
   }
 };
 
+/// Rubber that hardens from its first pull on (neo-Hooke and a stiff end) has no rows of a slack cord.
+TEST_F(Springs, ARubberThatHardensIsNoCord) {
+  std::string csv = "length_m,force_N\n";
+  for (int row = 0; row < 25; ++row) {
+    const double stretch = 1.0 + 0.28 * row;
+    csv += fmt::format("{},{}\n", stretch, 30.0 * (stretch - 1.0 / (stretch * stretch)) + 0.15 * std::pow(stretch, 4));
+  }
+  put("rubber.csv", csv);
+  const std::string out = succeed({"fit-spring", "rubber.csv", "-o", "r"});
+  EXPECT_THAT(out, HasSubstr("where the force still rises"));
+  EXPECT_EQ(Json::parse(text("r/result.json")).at("model"), "spring");
+}
+
+/// A quarter of a bent line's gain is what a kink at its end makes of it; the data tell four independent rows.
+TEST_F(Springs, AKinkThatGainsNothingIsNoCord) {
+  std::string csv = "deflection_rad,torque_Nm\n";
+  for (int row = 0; row < 60; ++row) {
+    const double x = -1.2 + 0.04 * row;
+    csv += fmt::format("{},{}\n", x, 0.03 * x + 0.004 * std::sin(2.5 * x + 1.0));
+  }
+  put("loop.csv", csv);
+  const std::string out = succeed({"fit-spring", "loop.csv", "-o", "l"});
+  EXPECT_EQ(Json::parse(text("l/result.json")).at("model"), "spring") << out;
+}
+
 TEST_F(Springs, AreFittedWithinTheirIntervals) {
   reality::SpringTruth truth;
   truth.force_offset = 0.4;

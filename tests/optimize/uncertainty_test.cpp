@@ -47,6 +47,31 @@ LeastSquaresProblem nearlyOneSpeed() {
   return problem;
 }
 
+/// y = a + b x through 36 rows whose errors bend to and fro.
+LeastSquaresProblem bentRows() {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  LeastSquaresProblem problem;
+  problem.parameters = {{"a", "1", -kInfinity, kInfinity}, {"b", "1", -kInfinity, kInfinity}};
+  problem.chunks = evenChunks(36);
+  problem.evaluate = [](std::span<const double> theta, const Block& rows, Eigen::Ref<Eigen::VectorXd> residual,
+                        Eigen::Ref<Eigen::MatrixXd>* jacobian) {
+    for (std::size_t i = rows.begin; i < rows.end; ++i) {
+      const auto at = static_cast<Eigen::Index>(i - rows.begin);
+      const double x = static_cast<double>(i) / 36.0;
+      residual[at] = theta[0] + theta[1] * x - std::sin(12.0 * x);
+      if (jacobian != nullptr) jacobian->row(at) << 1.0, x;
+    }
+  };
+  return problem;
+}
+
+TEST(Uncertainty, FewRowsThatBendToAndFroAreAlikeAsLongAsTheyAreOnOneSide) {
+  const LeastSquaresProblem problem = bentRows();
+  const Uncertainty all = estimateUncertainty(problem, minimise(problem, {0.0, 0.0}).theta, std::vector<int>(36, 0));
+  EXPECT_EQ(all.blocks, 0U);
+  EXPECT_GT(all.correlation_rows, 4.0);  // a quarter of a period is 4.7 rows
+}
+
 TEST(Uncertainty, AnIntervalFollowsANeighbourOnItsBound) {
   const LeastSquaresProblem problem = nearlyOneSpeed();
   const LeastSquaresResult found = minimise(problem, {0.5, 0.5});

@@ -127,6 +127,9 @@ TEST(PamFit, TiedParametersFollowTheGeometry) {
   const PamFit fit = fitPam(rig(kSpring, 0.0), options);
   EXPECT_DOUBLE_EQ(fit.theta[1], -2.0 * fit.theta[0]);
   EXPECT_EQ(fit.parameters, 3u);
+  const Eigen::MatrixXd& covariance = fit.uncertainty.covariance;
+  EXPECT_DOUBLE_EQ(covariance(1, 1), 4.0 * covariance(0, 0));
+  EXPECT_DOUBLE_EQ(covariance(1, 2), -2.0 * covariance(0, 2));
   // a = 3 pi D^2 / (4 tan^2 psi), c = (pi D^2 / 4)(3 / tan^2 psi - 1 / sin^2 psi): 002 eq. 12.
   const double d = 0.02, psi = 0.45, q = 3.14159265358979 * d * d / 4.0;
   const auto geometry = geometryOf(3.0 * q / std::pow(std::tan(psi), 2),
@@ -149,6 +152,23 @@ TEST(PamFit, NamesTheChannelWithTheOppositeSign) {
                 AllOf(HasSubstr("pam.csv: force_N has the opposite sign"), HasSubstr("--map force_N=COLUMN*-1")));
     EXPECT_THAT(saidOfTurned(&PamLog::contraction, spring), HasSubstr("pam.csv: contraction has the opposite sign"));
   }
+}
+
+/// Of a tendon that hardly stretches the rows say how stiff it is at least, not at most.
+TEST(PamFit, ATendonMayBeStifferByAnyAmount) {
+  const PamFit fit = fitPam(rig(4e6, 60.0), {});
+  const Estimate& k = fit.uncertainty.estimates[3];
+  EXPECT_GT(k.lower95, 2e4) << k.value << " ± " << k.sd;
+  EXPECT_GT(k.upper95, 4e6);
+  EXPECT_LT(k.lower95, 4e6);
+}
+
+TEST(PamFit, SaysHowManyForcesNoMuscleHas) {
+  PamLog log = rig(kSpring, 20.0);
+  EXPECT_THAT(fitPam(log, {}).warnings, Not(Contains(HasSubstr("the muscle pushes"))));
+  for (std::size_t i = 0; i < 5; ++i) log.force[i] = -400.0;
+  EXPECT_THAT(fitPam(log, {}).warnings,
+              Contains(HasSubstr("in 5 of 246 rows the muscle pushes, in 0 it pulls without pressure")));
 }
 
 // At one pressure a stiff tendon with another a fits to the noise, within narrow intervals.

@@ -44,6 +44,15 @@ TEST(SteadyStates, InAnyOrderHaveOneAnswer) {
   }
 }
 
+TEST(SteadyStates, OfRisingSpeedAllCount) {
+  std::string csv = "motor_velocity_rad_s,motor_current_A,external_torque_Nm\n";
+  for (const double speed : {63.0, 173.0, 291.0, 412.0, 590.0, 667.0}) {
+    csv += fmt::format("{},{},0\n", speed, (0.0035 + 1e-5 * speed) / 0.027);
+  }
+  const FrictionData data = prepareFrictionData(readActuatorLog(CsvTable::parse(csv, "motor.csv"), {}), {}, {});
+  EXPECT_EQ(data.rows(), 6U);
+}
+
 TEST(SteadyStates, WithTimesAreNoMotionWhereTheyJump) {
   std::string csv = "time_s,external_torque_Nm,motor_current_A,motor_velocity_rad_s\n";
   for (int row = 0; row < 40; ++row) csv += fmt::format("{},{},{},{}\n", 5 * row, 1 + row, 3 * row, row % 2 ? 60 : 1);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "simgap/core/error.h"
 
@@ -40,6 +41,20 @@ TEST(RobotLogTest, RowsBesideRestsAreBlurredWhereVelocityWasMeasuredToo) {
     }
     EXPECT_TRUE(joint.moves[1300]);
   }
+}
+
+/// Turned at up to 1 rad/s, of which a noisy velocity alone would take a third for rest.
+TEST(RobotLogTest, ANoisyVelocityTakesNoMotionForRest) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> noise(0.0, 0.1);
+  std::string csv = "time_s,j1_rad,torque_j1_Nm,j1_velocity_rad_s\n";
+  for (int i = 0; i < 4000; ++i) {
+    const double t = 0.01 * i, velocity = std::cos(1.3 * t) + noise(random);
+    csv += fmt::format("{:.2f},{:.6f},{:.4f},{:.4f}\n", t, std::sin(1.3 * t) / 1.3, std::sin(1.3 * t), velocity);
+  }
+  const std::vector<LoggedJoint> joints = {{"j1", false, -10.0, 10.0, {}}};
+  const RobotLog log = readRobotLog(CsvTable::parse(csv, "log.csv"), joints);
+  EXPECT_LT(log.joints[0].resting, 600U);
 }
 
 TEST(RobotLogTest, AJointThatMovesWithoutEffortHasNoSensor) {
