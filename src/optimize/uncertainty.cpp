@@ -297,6 +297,13 @@ Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<co
   followBounded(problem, free, all, result);
   result.correlation = correlationOf(result.covariance);
   result.findings = describeUndetermined(result);
+  for (std::size_t i = 0; i < theta.size(); ++i) {
+    const Estimate& e = result.estimates[i];
+    const ParameterSpec& spec = problem.parameters[i];
+    if (!e.at_bound || !(e.lower95 <= spec.lower && e.upper95 >= spec.upper)) continue;
+    result.findings.push_back(
+        fmt::format("{} may be anything within its bounds, {:.3g} to {:.3g}", e.name, spec.lower, spec.upper));
+  }
   return result;
 }
 

@@ -71,8 +71,10 @@ FrictionComparison compareLaws(std::span<const FrictionLaw* const> laws, const F
     for (FrictionFit& fit : fits) fit.mse_heldout = meanSquaredError(fit, *test, options);
     comparison.heldout = words;
   } else if (fits.front().mse_heldout) {
-    comparison.heldout = fmt::format("{}-fold cross-validation over blocks of {:.3g} s",
-                                     std::min<std::size_t>(5, data.blocks.size()), data.block_seconds);
+    comparison.heldout =
+        fmt::format("{}-fold cross-validation over blocks of {}", std::min<std::size_t>(5, data.blocks.size()),
+                    data.timed ? fmt::format("{:.3g} s", data.block_seconds)
+                               : fmt::format("{} rows", data.blocks.empty() ? 0 : data.blocks.front().size()));
   }
   comparison.best = compareFits(fits);
   return comparison;

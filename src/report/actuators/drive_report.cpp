@@ -105,7 +105,7 @@ FitSummary summarise(const DriveReport& report) {
   for (const FittedDelay& delay : fit.fitted_delays) {
     const std::string size = std::isfinite(delay.sd)
                                  ? fmt::format("{:.3g} ± {:.2g} ms", 1e3 * delay.seconds, 1e3 * delay.sd)
-                                 : fmt::format("{:.3g} ms or more", 1e3 * delay.seconds);
+                                 : fmt::format("{:.3g} ms, the most that is tried,", 1e3 * delay.seconds);
     summary.facts.emplace_back(delay.channel,
                                fmt::format("{} after {} ({:.2f} rows)", size, delay.against, delay.rows));
   }
