@@ -5,11 +5,16 @@
 #include <functional>
 #include <set>
 
+#include "trial_tests.h"
+
 namespace simgap {
 namespace {
 
 /// Two causes whose validation errors differ by less than that share of the gain cannot be told apart.
 constexpr double kTie = 0.03;
+/// Two causes that change the model's rows alike say the same function, each with a law of its own that the true one
+/// may not have: a lead of less than that share of the gain is one of laws, not of causes.
+constexpr double kLaws = 0.1, kAlike = 0.95;
 /// Where no cause explains so much, two that each explain the lesser share may together.
 constexpr double kClear = 0.5, kPromising = 0.1;
 
@@ -81,8 +86,8 @@ class Selector {
     return trial.gain && trial.gain->value >= options_.least_gain && trial.gain->lower95 > 0.0 &&
            adjusted(trial, count) < options_.level;
   }
-  std::optional<std::size_t> best(const std::vector<Trial>& trials) const;
-  std::size_t simplest(const std::vector<Trial>& trials, std::size_t best) const;
+  std::optional<std::size_t> best(const Fitted& base, const std::vector<Trial>& trials) const;
+  std::size_t simplest(const Fitted& base, const std::vector<Trial>& trials, std::size_t best) const;
   enum class Open { kNotDropped, kAll };
   std::vector<Trial> step(const Fitted& base, Open open, const Fitted* near = nullptr);
   /// Two causes at once: which of the trials is the first, and those on top of it.
@@ -100,7 +105,7 @@ class Selector {
   void dropStandIns();
   void drop(std::size_t k, const Fitted& rest, double gain);
   std::vector<Trial> runnersUp(const std::vector<Trial>& trials, std::size_t accepted) const;
-  std::vector<std::string> rivals(const std::vector<Trial>& trials, std::size_t accepted) const;
+  std::vector<std::string> rivals(const Fitted& base, const std::vector<Trial>& trials, std::size_t accepted) const;
   Fitted validatedWithout(const Fitted& fitted, std::size_t cause) const;
   std::size_t causes() const { return selection_.chosen.model->effects().size() - own_; }
   void tell(const std::string& what, double done) const {
@@ -117,27 +122,31 @@ class Selector {
   std::set<std::string_view> dropped_;  ///< by pruning: what takes their place stays, or the steps would never end
 };
 
-/// Of the causes that gain as much as the best the one that fits the fewest numbers: what a bias explains, a bias that
-/// changes in the middle of the log explains a little better.
-std::size_t Selector::simplest(const std::vector<Trial>& trials, std::size_t best) const {
+bool saysTheSame(const Fitted& base, const Trial& winner, const Trial& other) {
+  return other.gain->value > (1.0 - kLaws) * winner.gain->value && likeness(base, winner.fitted, other.fitted) > kAlike;
+}
+
+/// Of the causes that gain as much as the best, or say the same, the one that fits the fewest numbers: what a bias
+/// explains, a bias that changes in the middle of the log explains a little better.
+std::size_t Selector::simplest(const Fitted& base, const std::vector<Trial>& trials, std::size_t best) const {
   const double enough = (1.0 - kTie) * trials[best].gain->value;
   std::size_t simplest = best;
   for (std::size_t t = 0; t < trials.size(); ++t) {
     const ActuatorEffect& effect = *trials[t].hypothesis.effect;
     if (effect.name == trials[best].hypothesis.effect->name || !acceptable(trials[t], trials.size())) continue;
-    if (trials[t].gain->value < enough) continue;
-    if (sizesOf(effect) < sizesOf(*trials[simplest].hypothesis.effect)) simplest = t;
+    if (sizesOf(effect) >= sizesOf(*trials[simplest].hypothesis.effect)) continue;
+    if (trials[t].gain->value >= enough || saysTheSame(base, trials[best], trials[t])) simplest = t;
   }
   return simplest;
 }
 
-std::optional<std::size_t> Selector::best(const std::vector<Trial>& trials) const {
+std::optional<std::size_t> Selector::best(const Fitted& base, const std::vector<Trial>& trials) const {
   std::optional<std::size_t> best;
   for (std::size_t t = 0; t < trials.size(); ++t) {
     if (!acceptable(trials[t], trials.size())) continue;
     if (!best || trials[t].gain->value > trials[*best].gain->value) best = t;
   }
-  return best ? std::optional(simplest(trials, *best)) : std::nullopt;
+  return best ? std::optional(simplest(base, trials, *best)) : std::nullopt;
 }
 
 std::vector<Trial> Selector::step(const Fitted& base, Open open, const Fitted* near) {
@@ -211,7 +220,8 @@ void Selector::record(const std::vector<Trial>& trials, std::optional<std::size_
   }
 }
 
-std::vector<std::string> Selector::rivals(const std::vector<Trial>& trials, std::size_t accepted) const {
+std::vector<std::string> Selector::rivals(const Fitted& base, const std::vector<Trial>& trials,
+                                          std::size_t accepted) const {
   const Trial& winner = trials[accepted];
   std::vector<std::string> names;
   for (std::size_t t = 0; t < trials.size(); ++t) {
@@ -223,7 +233,7 @@ std::vector<std::string> Selector::rivals(const std::vector<Trial>& trials, std:
     const double lead = winner.gain->value - trials[t].gain->value;
     const bool tie = pairedP(trials[t].fitted.validation, winner.fitted.validation) > options_.level ||
                      lead < kTie * winner.gain->value;
-    if (tie && !search_.encompasses(winner, trials[t])) names.push_back(name);
+    if (tie ? !search_.encompasses(winner, trials[t]) : saysTheSame(base, winner, trials[t])) names.push_back(name);
   }
   return names;
 }
@@ -283,7 +293,7 @@ void Selector::review() {
   for (std::size_t k = 0; k < causes(); ++k) {
     const Fitted rest = validatedWithout(selection_.chosen, k);
     const std::vector<Trial> trials = step(rest, Open::kAll, &selection_.chosen);
-    const auto winner = best(trials);
+    const auto winner = best(rest, trials);
     record(trials, winner);
     if (!winner) continue;
     const ActuatorEffect* present = selection_.chosen.model->effects()[own_ + k];
@@ -297,7 +307,7 @@ void Selector::review() {
         *winner != at && (!current->gain || simpler ||
                           pairedP(current->fitted.validation, trials[*winner].fitted.validation) < options_.level);
     const std::size_t chosen = swap ? *winner : at;
-    selection_.ambiguous_with[k] = rivals(trials, chosen);
+    selection_.ambiguous_with[k] = rivals(rest, trials, chosen);
     selection_.instead[k] = runnersUp(trials, chosen);
     selection_.p_adjusted[k] = adjusted(trials[chosen], trials.size());
     if (!swap) continue;
@@ -312,7 +322,7 @@ void Selector::accept(std::vector<Trial> trials, std::size_t accepted) {
   selection_.last = std::move(trials);
   const Trial& winner = selection_.last[accepted];
   selection_.p_adjusted.push_back(adjusted(winner, selection_.last.size()));
-  selection_.ambiguous_with.push_back(rivals(selection_.last, accepted));
+  selection_.ambiguous_with.push_back(rivals(selection_.chosen, selection_.last, accepted));
   selection_.instead.push_back(runnersUp(selection_.last, accepted));
   selection_.chosen = winner.fitted;
 }
@@ -327,7 +337,7 @@ Selection Selector::run(const std::vector<const ActuatorEffect*>& own, const std
   while (static_cast<int>(causes()) < options_.max_causes) {
     tell("trying causes", 0.1 + share * static_cast<double>(step_));
     std::vector<Trial> trials = step(selection_.chosen, Open::kNotDropped);
-    auto accepted = best(trials);
+    auto accepted = best(selection_.chosen, trials);
     std::optional<Pair> pair =
         static_cast<int>(causes()) + 2 <= options_.max_causes ? bestPair(trials, accepted) : std::nullopt;
     if (pair) accepted = pair->first;
@@ -349,7 +359,7 @@ Selection Selector::run(const std::vector<const ActuatorEffect*>& own, const std
   prune();
   tell("looking for what has no name", 0.9);
   const std::vector<Trial> strange = search_.tryAll(selection_.chosen, unnamed);
-  const auto found = best(strange);
+  const auto found = best(selection_.chosen, strange);
   record(strange, found);
   if (found) {
     selection_.unnamed = strange[*found];

@@ -57,4 +57,11 @@ double waldP(const ActuatorRegression& model, const RowEvaluation& at, const std
   return std::min(1.0, kSearched * 2.0 * normalTail(largest));
 }
 
+double likeness(const Fitted& base, const Fitted& one, const Fitted& other) {
+  const Eigen::ArrayXd without = residualOf(base).array(), a = residualOf(one).array(), b = residualOf(other).array();
+  const Eigen::ArrayXd shared = (without != 0.0 && a != 0.0 && b != 0.0).cast<double>();
+  const Eigen::ArrayXd by_one = shared * (a - without), by_other = shared * (b - without);
+  return (by_one * by_other).sum() / std::max(std::sqrt(by_one.square().sum() * by_other.square().sum()), 1e-300);
+}
+
 }  // namespace simgap

@@ -19,4 +19,8 @@ double distinctShare(const ActuatorRegression& model, const RowEvaluation& at, s
 /// and says nothing.
 double waldP(const ActuatorRegression& model, const RowEvaluation& at, const std::vector<Block>& pieces);
 
+/// How alike two causes change the residual of a model that has neither, over the rows that all count: their
+/// correlation, -1 to 1.
+double likeness(const Fitted& base, const Fitted& one, const Fitted& other);
+
 }  // namespace simgap

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "derived_motion.h"
 #include "prepared_rows.h"
@@ -168,13 +169,18 @@ void leaveOutPresliding(const ActuatorLog& log, std::span<const Block> runs, std
 /// The bandwidth of a motion that is smoothed less, of the usual one.
 constexpr double kSharper = 1.4;
 
-/// Whether a measured velocity's noise would take much of the motion for rests: which way it goes is then told by what
-/// smoothing leaves.
-bool isNoisy(std::span<const double> velocity, double dead_band_widths) {
-  constexpr double kMuch = 0.1;  // of the top speed
-  std::vector<double> speeds(velocity.begin(), velocity.end());
+/// A measured velocity whose noise takes more than a trifle of the motion for rest puts turns rows beside where they
+/// are, and dry friction then seems to build up over a travel: where the position says it with less noise, it is worked
+/// out from there.
+void dropNoisyVelocity(ActuatorLog& log, std::span<const Block> runs, double dead_band_widths) {
+  constexpr double kTrifle = 0.01;  // of the top speed
+  std::vector<double> speeds(log.velocity);
   for (double& speed : speeds) speed = std::abs(speed);
-  return dead_band_widths * noiseLevel(velocity) > kMuch * quantile(std::move(speeds), 0.95);
+  const double dead_band = dead_band_widths * noiseLevel(log.velocity);
+  if (speeds.empty() || dead_band <= kTrifle * quantile(std::move(speeds), 0.95)) return;
+  std::vector<double> measured = std::exchange(log.velocity, {});
+  const double bandwidth = FrictionDataOptions::kDefaultBandwidth * samplingRate(log.time, runs);
+  if (derivedDeadBand(log, runs, bandwidth, dead_band_widths) >= dead_band) log.velocity = std::move(measured);
 }
 
 /// Velocity and acceleration, and in which rows the joint moves.
@@ -182,7 +188,9 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
                    std::optional<double> presliding, RobotJointLog& joint) {
   ActuatorLog& log = reader.log;
   FrictionData& notes = reader.notes;
+  const FrictionDataOptions options;
   log.time = time;
+  dropNoisyVelocity(log, runs, options.dead_band_widths);
   joint.measured_velocity = !log.velocity.empty();
   takeEvenTimes(log, runs, true, notes);
   putSpikesRight(log, notes);
@@ -194,11 +202,8 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
                                       joint.measured_velocity, runs, kSharper * notes.bandwidth);
   joint.sharper_velocity = std::move(sharper.velocity);
   joint.sharper_acceleration = std::move(sharper.acceleration);
-  const FrictionDataOptions options;
-  const bool noisy = joint.measured_velocity && isNoisy(log.velocity, options.dead_band_widths);
   std::optional<double> dead_band;
-  if (noisy) log.velocity = smoothRuns(log.time, log.velocity, runs, notes.bandwidth);
-  if (noisy || !joint.measured_velocity) {
+  if (!joint.measured_velocity) {
     constexpr double kRounding = 1e-9;  // [rad/s] what smoothing makes of a joint that is held
     dead_band = std::max(kRounding, derivedDeadBand(log, runs, notes.bandwidth, options.dead_band_widths));
   }
@@ -212,9 +217,7 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
     for (const std::size_t row : spikes.rows) sign.keep[row] = false;
   }
   joint.resting = static_cast<std::size_t>(std::ranges::count(sign.keep, false));
-  if (joint.measured_velocity && !noisy) {
-    log.velocity = smoothRuns(log.time, log.velocity, runs, notes.bandwidth);
-  }
+  if (joint.measured_velocity) log.velocity = smoothRuns(log.time, log.velocity, runs, notes.bandwidth);
   joint.velocity = std::move(log.velocity);
   joint.acceleration = std::move(log.acceleration);
   joint.effort = std::move(log.effort);
