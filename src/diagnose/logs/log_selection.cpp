@@ -14,7 +14,7 @@ namespace {
 constexpr double kTie = 0.03;
 /// Two causes that change the model's rows alike say the same function, each with a law of its own that the true one
 /// may not have: a lead of less than that share of the gain is one of laws, not of causes.
-constexpr double kLaws = 0.1, kAlike = 0.95;
+constexpr double kLaws = 0.1, kAlike = 0.9;
 /// Where no cause explains so much, two that each explain the lesser share may together.
 constexpr double kClear = 0.5, kPromising = 0.1;
 
