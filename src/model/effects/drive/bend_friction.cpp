@@ -51,6 +51,7 @@ constexpr ActuatorEffect kUsual = {
     .separates = "the same load at joint angles far apart",
     .parameters = kParameters,
     .needs = kNeeds,
+    .by_load_or_angle = true,
     .apply = apply,
     .starts = starts,
 };

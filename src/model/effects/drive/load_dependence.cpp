@@ -36,6 +36,7 @@ constexpr ActuatorEffect kUsual = {
     .needs = kNeeds,
     .contained_in = containedIn,
     .on_robot = true,
+    .by_load_or_angle = true,
     .on_gearbox = false,
     .fill = fill,
 };

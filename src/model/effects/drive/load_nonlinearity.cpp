@@ -31,6 +31,7 @@ const ActuatorEffect entry = {
     .columns = kColumns,
     .needs = kNeeds,
     .contained_in = withoutMeaning,
+    .by_load_or_angle = true,
     .fill = fill,
 };
 
