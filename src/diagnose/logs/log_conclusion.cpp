@@ -105,7 +105,8 @@ void sayWhatIsLeft(const Selection& selection, const PreparedLog& log, const Cei
 
 void conclude(Diagnosis& d) {
   const std::string left = leftText(d);
-  d.verdict = verdictOf(d.causes, !left.empty());
+  constexpr double kOfLaws = 3.0;  // [%] what a law's own shape may leave is no structure, as a cause's gain is none
+  d.verdict = verdictOf(d.causes, d.left_over_percent >= kOfLaws);
   if (d.verdict == DiagnosisVerdict::kNothingFound) {
     d.sentence =
         fmt::format("Nothing found: no cause improves the model on data it has not seen; RMS {:.4g}, noise floor {}{}.",
@@ -167,8 +168,8 @@ std::string nextExperiment(const Diagnosis& d, const PreparedLog& log) {
     return "The rows do not tell their own noise, so whether more is missing cannot be said: log more rows a second, "
            "or record one motion twice.";
   }
-  constexpr double kAtTheNoise = 1.2;
-  if (timesTheNoise(d) > kAtTheNoise) {
+  constexpr double kAtTheNoise = 1.1;
+  if (timesTheNoise(d) > kAtTheNoise || !d.candidates.empty()) {
     return fmt::format(
         "The model misses {:.1f} times the noise, by nothing that is sure here: a log of {:.0f} min, or one motion "
         "recorded twice, would tell a cause from chance.",

@@ -12,8 +12,9 @@ namespace {
 
 /// Two causes whose validation errors differ by less than that share of the gain cannot be told apart.
 constexpr double kTie = 0.03;
-/// Friction by the load and friction by the angle that change the model's rows alike say the same function, each by a
-/// law of its own that the true one may not have: a lead of less than that share of the gain is one of laws.
+/// Causes of one kin (friction by the load and by the angle, of a pendulum) that change the model's rows alike say the
+/// same function, each by a law of its own that the true one may not have: a lead of less than that share of the gain
+/// is one of laws.
 constexpr double kLaws = 0.1, kAlike = 0.9;
 /// Where no cause explains so much, two that each explain the lesser share may together.
 constexpr double kClear = 0.5, kPromising = 0.1;
@@ -123,8 +124,9 @@ class Selector {
 };
 
 bool saysTheSame(const Fitted& base, const Trial& winner, const Trial& other) {
-  return winner.hypothesis.effect->by_load_or_angle && other.hypothesis.effect->by_load_or_angle &&
-         other.gain->value > (1.0 - kLaws) * winner.gain->value && likeness(base, winner.fitted, other.fitted) > kAlike;
+  const ActuatorEffect &one = *winner.hypothesis.effect, &two = *other.hypothesis.effect;
+  return !one.kin.empty() && one.kin == two.kin && other.gain->value > (1.0 - kLaws) * winner.gain->value &&
+         likeness(base, winner.fitted, other.fitted) > kAlike;
 }
 
 /// Of the causes that gain as much as the best, or say the same, the one that fits the fewest numbers: what a bias

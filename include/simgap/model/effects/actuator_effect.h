@@ -122,12 +122,13 @@ struct ActuatorEffect {
   bool of_load_sign = false;  ///< it goes with the load's sign, whatever its size: of a load near zero noise decides it
   bool of_rows = false;       ///< `fill` looks at the rows and at its own parameters alone, and is worth keeping
   bool remembers = false;     ///< it depends on the rows before: on travel, rests, another time
-  bool needs_all_rows = false;    ///< it looks at more than a row and the travel since the one before
-  bool in_every_drive = false;    ///< models without it carry a little of it (kNuisance); it has one parameter
-  bool on_drive = false;          ///< a gearbox's cause that any drive can have, too
-  bool on_robot = false;          ///< a joint of a robot shows it: its log has the channels, and rests say nothing
-  bool by_load_or_angle = false;  ///< dry friction that grows with one of both, which on a pendulum go together
-  double places = 1.0;            ///< at which its shape is looked for; of more than one several can act at once
+  bool needs_all_rows = false;  ///< it looks at more than a row and the travel since the one before
+  bool in_every_drive = false;  ///< models without it carry a little of it (kNuisance); it has one parameter
+  bool on_drive = false;        ///< a gearbox's cause that any drive can have, too
+  bool on_robot = false;        ///< a joint of a robot shows it: its log has the channels, and rests say nothing
+  double places = 1.0;          ///< at which its shape is looked for; of more than one several can act at once
+  /// Causes of one kin may change the rows alike, each by a law of its own: a small lead does not tell them.
+  std::string_view kin = {};
   const OwnParameter* own_parameter = nullptr;
   bool on_gearbox = true;  ///< false: a gearbox's own causes say it in other words, or its rows cannot show it
 

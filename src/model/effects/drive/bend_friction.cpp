@@ -51,7 +51,7 @@ constexpr ActuatorEffect kUsual = {
     .separates = "the same load at joint angles far apart",
     .parameters = kParameters,
     .needs = kNeeds,
-    .by_load_or_angle = true,
+    .kin = "friction by load or angle",
     .apply = apply,
     .starts = starts,
 };

@@ -24,6 +24,7 @@ const ActuatorEffect entry = {
     .remembers = true,
     .needs_all_rows = true,
     .on_robot = true,
+    .kin = "late channel",
     .on_gearbox = false,
     .apply = apply,
     .starts = delays::starts,

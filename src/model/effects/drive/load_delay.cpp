@@ -41,6 +41,7 @@ const ActuatorEffect entry = {
     .needs = kNeeds,
     .remembers = true,
     .needs_all_rows = true,
+    .kin = "late channel",
     .on_gearbox = false,
     .apply = apply,
     .starts = delays::starts,

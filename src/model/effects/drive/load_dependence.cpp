@@ -36,7 +36,7 @@ constexpr ActuatorEffect kUsual = {
     .needs = kNeeds,
     .contained_in = containedIn,
     .on_robot = true,
-    .by_load_or_angle = true,
+    .kin = "friction by load or angle",
     .on_gearbox = false,
     .fill = fill,
 };

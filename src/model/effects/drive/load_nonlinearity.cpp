@@ -31,7 +31,7 @@ const ActuatorEffect entry = {
     .columns = kColumns,
     .needs = kNeeds,
     .contained_in = withoutMeaning,
-    .by_load_or_angle = true,
+    .kin = "friction by load or angle",
     .fill = fill,
 };
 
