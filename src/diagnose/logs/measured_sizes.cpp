@@ -50,7 +50,9 @@ double sizeOf(const ActuatorRegression& model, const Fitted& fitted, std::size_t
 std::string undetermined(const ActuatorRegression& model, std::span<const double> theta, const LogFit& fit,
                          std::size_t effect) {
   const ActuatorEffect& cause = *model.effects()[effect];
-  if (const Estimate& strength = fit.parameters[0]; strength.name == "k_a" && strength.at_bound && !strength.fixed) {
+  const ParameterSpec& free = model.parameters()[0];  // where a load is known
+  if (const Estimate& strength = fit.parameters[0];
+      strength.name == "k_a" && free.lower < free.upper && strength.at_bound) {
     return fmt::format("with it k_a ends at the bound {:.4g}: no torque of the log says how strong the motor is",
                        strength.value);
   }
