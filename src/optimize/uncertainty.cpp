@@ -18,9 +18,10 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kSingular = 1e-9;  // of the largest singular value of the scaled Jacobian
-constexpr double kTakesPart = 0.2;  // component of a direction that cannot be determined
-constexpr double kAlias = 0.995;    // correlation from which only a combination is determined
+constexpr double kSingular = 1e-9;      // of the largest singular value of the scaled Jacobian
+constexpr double kTakesPart = 0.2;      // component of a direction that cannot be determined
+constexpr double kAlias = 0.995;        // correlation from which only a combination is determined
+constexpr std::size_t kFewRows = 2000;  // a table, not a log
 
 /// Rows that are summed together before the correlation time, and so the length of a block, is known.
 double rowsPerPiece(std::size_t rows) {
@@ -257,7 +258,7 @@ Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<co
   result.correlation_rows = correlationTime(at.residual, session);
   const std::vector<NormalSums> blocks =
       jackknifeBlocks(at.sums, pieces, session, result.correlation_rows, free.size());
-  if (blocks.empty()) {
+  if (blocks.empty() && problem.rows() <= kFewRows) {
     result.correlation_rows = std::max(result.correlation_rows, correlationTimeOfFew(at.residual, session));
   }
   result.n_effective = n / result.correlation_rows;
