@@ -95,6 +95,7 @@ ExitCode separateMotionSets(const SeparateOptions& options, Session& session) {
 
 ExitCode designSeparation(const SeparateOptions& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("design", options.of.common, argv);
+  requireCandidates(options.of.run);
   if (holdsCandidates(options.of.run, kLogCandidates)) {
     refuseOptions(app, {"--candidates", "--count", "--max-tension-N"},
                   "with a diagnosis of a log, expected it with one of poses");

@@ -13,6 +13,8 @@
 #include <memory>
 #include <numeric>
 
+#include "simgap/core/error.h"
+
 namespace simgap {
 namespace {
 
@@ -264,6 +266,8 @@ SeparableResult searchSeparable(const SeparableProblem& problem) {
   result.profile = grid.profile();
   result.starts = grid.points();
   const std::vector<std::vector<double>> starts = grid.localMinima(kMostMinima);
+  if (starts.empty())
+    throw NumericsError("found no place of the search with a finite error: the columns are no numbers");
   std::vector<SeparableMinimum> refined(starts.size());
   tbb::parallel_for(std::size_t{0}, starts.size(),
                     [&](std::size_t i) { refined[i] = descendFrom(problem, starts[i], 0.5, kRough); });

@@ -67,6 +67,7 @@ TEST_F(Intervene, RefusesWhatItCannotUse) {
   expectRefused({"intervene", "d", "-o", "x"}, 2, "found neither --change nor --poses");
   expectRefused({"intervene", "d", "--log", "poses.csv", "-o", "x"}, 2, "with a diagnosis of poses, expected --poses");
   expectRefused({"intervene", "data", "--change", "weight.yaml", "-o", "x"}, 2, "found no folder candidates");
+  expectRefused({"intervene", "data", "--log", "poses.csv", "-o", "x"}, 2, "where nothing was found there are none");
   expectRefused(
       {"intervene", "d", "--change", "weight.yaml", "--change", "off.yaml", "--poses", "after.csv", "-o", "x"}, 2,
       "found 2 files of --change with --poses, expected the one that was made");

@@ -21,6 +21,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   if (holdsCandidates(options.run, kLogCandidates)) return interveneOnLog(options, argv);
   if (holdsCandidates(options.run, kMotionCandidates)) return interveneOnMotions(options, argv);
   Session session("intervene", options.common, argv);
+  requireCandidates(options.run);
   if (!options.motions.empty()) throw ConfigError("found --motions with a diagnosis of poses, expected --poses");
   if (!options.log.empty() || !options.profile.empty() || !options.bench.empty()) {
     throw ConfigError("found --log, --profile or --bench with a diagnosis of poses, expected --poses");

@@ -143,11 +143,27 @@ Eigen::ArrayXd FrictionModel::basis(const FrictionTerm& term, const Block& rows,
   return column;
 }
 
+Eigen::VectorXd FrictionModel::gainFromWeight(Eigen::VectorXd coefficients) const {
+  constexpr double kAlike = 0.999;  // correlation: a fitted inertia beside a known one
+  if (!data_->fits_angle || data_->angleIndex() > 0 || parameters_[0].fixed) return coefficients;
+  const auto weight = static_cast<Index>(1 + terms_);
+  const double gain = coefficients.segment<2>(weight).norm(), further = coefficients[0] - gain;
+  if (!(gain > 0.0)) return coefficients;
+  coefficients[0] = gain;
+  for (Index k = 2; k < data_->load_per.cols(); ++k) {
+    const auto per = data_->load_per.col(k);
+    const double product = (data_->load * per).sum(), squares = per.square().sum();
+    if (std::abs(product) < kAlike * std::sqrt(data_->load.square().sum() * squares)) continue;
+    if (squares > 0.0) coefficients[weight + k] += further * product / squares;
+  }
+  return coefficients;
+}
+
 std::vector<double> FrictionModel::thetaOf(const SeparableMinimum& minimum) const {
   std::vector<double> theta(parameters_.size());
   const std::vector<LinearTerm> terms = linearTerms();
-  const double gain = std::max(minimum.linear.coefficients[0], 1e-300);
-  Eigen::VectorXd physical = minimum.linear.coefficients;
+  Eigen::VectorXd physical = gainFromWeight(minimum.linear.coefficients);
+  const double gain = std::max(physical[0], 1e-300);
   for (std::size_t i = 0; i < terms.size(); ++i) {
     if (terms[i].times_gain) physical[i] /= gain;
   }

@@ -49,6 +49,10 @@ class FrictionModel {
   /// A term's column without its shape. \param load  |load| of each row.
   Eigen::ArrayXd basis(const FrictionTerm& term, const Block& rows, const Eigen::ArrayXd& load) const;
   void addParameter(const FrictionFitOptions& options, ParameterSpec parameter);
+  /// Of a known weight that hangs at an unknown angle, cosine and sine have the gain as their amplitude, which a search
+  /// that is linear in both does not know: the gain that it found is that of the known inertia, and of nothing where
+  /// another inertia is fitted beside it. \param coefficients  of the separable form
+  Eigen::VectorXd gainFromWeight(Eigen::VectorXd coefficients) const;
 
   const FrictionLaw* law_;
   const FrictionData* data_;

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "simgap/core/text.h"
+#include "simgap/diagnose/diagnosis.h"
 #include "simgap/report/table.h"
 
 namespace simgap {
@@ -25,6 +26,15 @@ void readBounds(const YamlNode& node, BudgetLimit& limit) {
   if (limit.lower > limit.upper) node.fail(fmt::format("found lower {:g} above upper {:g}", limit.lower, limit.upper));
 }
 
+std::vector<std::string> verdictNames() {
+  using enum DiagnosisVerdict;
+  std::vector<std::string> names;
+  for (const DiagnosisVerdict verdict : {kCauseFound, kAmbiguous, kUnexplained, kNothingFound, kDataFault}) {
+    names.emplace_back(toString(verdict));
+  }
+  return names;
+}
+
 BudgetLimit readLimit(const YamlNode& node) {
   BudgetLimit limit;
   if (const auto value = node.find("value")) {
@@ -37,7 +47,7 @@ BudgetLimit readLimit(const YamlNode& node) {
     if (const auto sd = node.find("largest_sd_percent")) limit.largest_sd_percent = sd->number(kPositive);
   } else if (const auto verdicts = node.find("verdict")) {
     limit.of = BudgetLimit::Of::kVerdict;
-    for (const YamlNode& verdict : verdicts->items()) limit.allowed.push_back(verdict.text());
+    for (const YamlNode& verdict : verdicts->items()) limit.allowed.push_back(verdict.oneOf(verdictNames()));
     limit.text = fmt::format("verdict is one of {}", fmt::join(limit.allowed, ", "));
     return limit;
   } else if (const auto cause = node.find("cause")) {
@@ -91,8 +101,9 @@ Finding checkParameter(const BudgetLimit& limit, const Json& result) {
     ++met;
     const double value = numberOf(p.value("value", Json(nullptr))), sd = numberOf(p.value("sd", Json(nullptr)));
     const bool within = limit.lower <= value && value <= limit.upper;
-    const bool known = !std::isfinite(limit.largest_sd_percent) ||
-                       100.0 * sd <= limit.largest_sd_percent * std::abs(value);  // false for an unknown one
+    const bool known = p.value("identifiable", Json(true)) != false &&
+                       (!std::isfinite(limit.largest_sd_percent) ||
+                        100.0 * sd <= limit.largest_sd_percent * std::abs(value));  // false for an unknown one
     if (within && known) continue;
     if (++outsiders <= 3) {
       outside += fmt::format("{}{} is {:.5g}, sd {}", outside.empty() ? "" : "; ", name, value,

@@ -74,6 +74,18 @@ TEST(Pendulum, AngleOffsetOfAKnownBob) {
   EXPECT_EQ(fit.uncertainty.estimates.size(), 4u);  // k_a, tau_c, k_v, angle: sine and cosine are one unknown
 }
 
+/// The gain is told by the weight: beside a fitted inertia the known one of the bob tells nothing of it.
+TEST(Pendulum, AngleAndInertiaOfAKnownBobByEveryLaw) {
+  const FrictionData data = prepareFrictionData(
+      swing({}, 0.02), pendulumBench("mass_kg: 0.9\nlength_m: 0.25\ninertia_kg_m2: fit\nangle_offset_rad: fit\n"), {});
+  for (const char* law : {"coulomb", "stribeck", "classic"}) {
+    const FrictionFit fit = fitFriction(friction::find(law), data, {});
+    EXPECT_NEAR(fit.value("k_a"), 0.8, 0.01) << law;
+    EXPECT_NEAR(fit.value("angle_offset"), 0.3, 0.01) << law;
+    EXPECT_NEAR(fit.value("inertia"), 0.02, 0.004) << law;
+  }
+}
+
 TEST(Pendulum, LengthAngleAndInertia) {
   const FrictionFit fit =
       fitPendulum("mass_kg: 0.9\nlength_m: fit\ninertia_kg_m2: fit\nangle_offset_rad: fit\n", gainKnown());

@@ -7,6 +7,7 @@
 
 #include "diagnose/logs/log_candidates.h"
 #include "diagnose/logs/prepared_logs.h"
+#include "intervene/logs/bench_constants.h"
 #include "simgap/diagnose/logs/refitted_model.h"
 #include "support/files.h"
 
@@ -66,6 +67,15 @@ LogEvidence believing(const std::string& causes) {
 
 LogChanges changeOf(const std::string& yaml) {
   return LogChanges::read(YamlNode::parse("format: simgap/change/1\nchanges:\n" + yaml, "change.yaml"));
+}
+
+TEST(BenchConstants, AreNoLessThanNothing) {
+  LogSetting setting;
+  setting.bench.mass.value = 1.0;
+  changeConstant(setting, &BenchConstants::mass, -0.4, "mass");
+  EXPECT_NEAR(setting.bench.mass.value, 0.6, 1e-12);
+  EXPECT_THAT(errorOf([&] { changeConstant(setting, &BenchConstants::mass, -5.0, "mass"); }),
+              HasSubstr("found a change of mass by -5 where the bench has 0.6"));
 }
 
 TEST(LogIntervention, TheDiagnosisKeepsTheModelsThatWouldHaveComeNext) {

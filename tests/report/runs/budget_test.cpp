@@ -16,7 +16,8 @@ const Json kResult = {{"format", "simgap/diagnose/1"},
                       {"mje_deg", {{"final", {{"elbow", 2.5}}}}},
                       {"parameters",
                        {{{"name", "muscles.biceps.spindle_radius_m"}, {"value", 0.006}, {"sd", 0.0003}},
-                        {{"name", "muscles.triceps.spindle_radius_m"}, {"value", 0.009}, {"sd", nullptr}}}},
+                        {{"name", "muscles.triceps.spindle_radius_m"}, {"value", 0.009}, {"sd", nullptr}},
+                        {{"name", "k_a"}, {"value", 1e300}, {"sd", nullptr}, {"identifiable", false}}}},
                       {"causes",
                        {{{"effect", "channel-delay"},
                          {"target", "elbow"},
@@ -56,6 +57,7 @@ TEST(Budget, WhatIsNotThereDoesNotHold) {
   EXPECT_FALSE(holds(check("  - {value: mje_deg.final.shoulder, upper: 3}\n")));
   EXPECT_FALSE(holds(check("  - {value: mje_deg, upper: 3}\n")));
   EXPECT_FALSE(holds(check("  - {parameter: mass, upper: 3}\n")));
+  EXPECT_FALSE(holds(check("  - {parameter: k_a, lower: 1}\n"))) << "not found";
   EXPECT_FALSE(holds(check("  - {parameter: 'muscles.triceps*', largest_sd_percent: 50}\n")));
 }
 
@@ -89,6 +91,7 @@ TEST(Budget, SaysWhichLineIsBroken) {
 
 TEST(Budget, RefusesLinesWithoutMeaning) {
   EXPECT_THROW(check("  - {value: mse}\n"), ConfigError);
+  EXPECT_THAT(test::errorOf([] { check("  - verdict: [nothing-fuond]\n"); }), HasSubstr("nothing-found, data-fault"));
   EXPECT_THROW(check("  - {value: mse, lower: 2, upper: 1}\n"), ConfigError);
   EXPECT_THROW(check("  - {upper: 1}\n"), ConfigError);
   EXPECT_THAT(test::errorOf([] { check("  - {cause: payload, upper: -5}\n"); }), HasSubstr("found upper -5"));

@@ -31,9 +31,9 @@ std::vector<std::vector<double>> symmetricStarts(const ActuatorRows& rows, const
   return {{0.1, low + 0.35 * span}, {0.1, low + 0.65 * span}};
 }
 
-/// Straight within the angles of the log; else it is bent one way.
+/// Straight within the angles of the log, else it is bent one way; and rubbing more where it is bent, not less.
 bool isBentBothWays(std::span<const double> p, const ActuatorRows& rows) {
-  return p[1] > rows.joint_angle.minCoeff() && p[1] < rows.joint_angle.maxCoeff();
+  return p[0] > 0.0 && p[1] > rows.joint_angle.minCoeff() && p[1] < rows.joint_angle.maxCoeff();
 }
 
 std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
