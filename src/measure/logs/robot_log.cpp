@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <utility>
 
 #include "derived_motion.h"
 #include "prepared_rows.h"
@@ -169,18 +168,13 @@ void leaveOutPresliding(const ActuatorLog& log, std::span<const Block> runs, std
 /// The bandwidth of a motion that is smoothed less, of the usual one.
 constexpr double kSharper = 1.4;
 
-/// A measured velocity whose noise takes more than a trifle of the motion for rest puts turns rows beside where they
-/// are, and dry friction then seems to build up over a travel: where the position says it with less noise, it is worked
-/// out from there.
-void dropNoisyVelocity(ActuatorLog& log, std::span<const Block> runs, double dead_band_widths) {
+/// Whether a measured velocity's noise takes more than a trifle of the motion for rest: turns are then seen rows beside
+/// where they are, and dry friction seems to build up over a travel.
+bool blursTurns(std::span<const double> velocity, double dead_band_widths) {
   constexpr double kTrifle = 0.01;  // of the top speed
-  std::vector<double> speeds(log.velocity);
+  std::vector<double> speeds(velocity.begin(), velocity.end());
   for (double& speed : speeds) speed = std::abs(speed);
-  const double dead_band = dead_band_widths * noiseLevel(log.velocity);
-  if (speeds.empty() || dead_band <= kTrifle * quantile(std::move(speeds), 0.95)) return;
-  std::vector<double> measured = std::exchange(log.velocity, {});
-  const double bandwidth = FrictionDataOptions::kDefaultBandwidth * samplingRate(log.time, runs);
-  if (derivedDeadBand(log, runs, bandwidth, dead_band_widths) >= dead_band) log.velocity = std::move(measured);
+  return !speeds.empty() && dead_band_widths * noiseLevel(velocity) > kTrifle * quantile(std::move(speeds), 0.95);
 }
 
 /// Velocity and acceleration, and in which rows the joint moves.
@@ -190,7 +184,7 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
   FrictionData& notes = reader.notes;
   const FrictionDataOptions options;
   log.time = time;
-  dropNoisyVelocity(log, runs, options.dead_band_widths);
+  if (blursTurns(log.velocity, options.dead_band_widths)) replaceNoisyVelocity(log, runs, notes);
   joint.measured_velocity = !log.velocity.empty();
   takeEvenTimes(log, runs, true, notes);
   putSpikesRight(log, notes);
