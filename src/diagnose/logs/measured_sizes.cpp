@@ -50,12 +50,6 @@ double sizeOf(const ActuatorRegression& model, const Fitted& fitted, std::size_t
 std::string undetermined(const ActuatorRegression& model, std::span<const double> theta, const LogFit& fit,
                          std::size_t effect) {
   const ActuatorEffect& cause = *model.effects()[effect];
-  const ParameterSpec& free = model.parameters()[0];  // where a load is known
-  if (const Estimate& strength = fit.parameters[0];
-      strength.name == "k_a" && free.lower < free.upper && strength.at_bound) {
-    return fmt::format("with it k_a ends at the bound {:.4g}: no torque of the log says how strong the motor is",
-                       strength.value);
-  }
   bool any = false;
   for (std::size_t k = 0; k < cause.columns.size(); ++k) {
     any = any || isMeasured(fit.parameters[model.firstColumn(effect) + k], 0.0, fit.t);
