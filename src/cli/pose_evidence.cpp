@@ -10,14 +10,6 @@
 
 namespace simgap {
 
-void requireCandidates(const std::filesystem::path& run) {
-  if (std::filesystem::is_directory(run / kCandidateFolder)) return;
-  throw ConfigError(
-      fmt::format("{}: found no folder {}, expected the result of simgap diagnose that had models to compare: where "
-                  "nothing was found there are none",
-                  run.string(), kCandidateFolder));
-}
-
 PoseEvidence readPoseEvidence(const std::filesystem::path& run, Session& session) {
   const std::filesystem::path folder = run / kCandidateFolder;
   const std::string list_file = (folder / kCandidateList).string();

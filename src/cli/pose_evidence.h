@@ -9,9 +9,6 @@
 
 namespace simgap {
 
-/// \throws ConfigError: a run without candidates of any kind.
-void requireCandidates(const std::filesystem::path& run);
-
 /// \throws ConfigError: files in the folder that are none; DataError: a pose that the list names is missing.
 PoseEvidence readPoseEvidence(const std::filesystem::path& run, Session& session);
 

@@ -141,7 +141,7 @@ void compareResult(std::string bytes) {
 limits:
   - {value: validation.after.0, upper: 2}
   - {parameter: "*", lower: 0, upper: 3, largest_sd_percent: 5}
-  - {verdict: [found, nothing-found]}
+  - {verdict: [cause-found, nothing-found]}
   - {cause: "*", upper: 5}
 )"));
   const auto folder = runWith(jsonOf(bytes));

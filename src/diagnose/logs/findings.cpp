@@ -136,12 +136,6 @@ class Judge {
     return fmt::format("its gain on held-out data may be nothing ({})", inWords(gain, p));
   }
 
-  /// Whether the strength of a motor that a load told ends at its bound with a cause: what was known of it made room.
-  static bool losesStrength(const Fitted& rest, const Fitted& full) {
-    const auto lost = [](const Fitted& fitted) { return atBound(fitted.model->parameters()[0], fitted.theta[0]); };
-    return full.model->parameters()[0].name == "k_a" && lost(full) && !lost(rest);
-  }
-
   /// Why a cause is no finding; empty when it is one.
   std::string doubtOf(std::size_t cause) const {
     const std::size_t effect = own_ + cause;
@@ -151,7 +145,7 @@ class Judge {
     }
     if (std::string reason = undetermined(*full.model, found_.on_all_rows.theta, found_.fit, effect); !reason.empty())
       return reason;
-    if (losesStrength(without_[cause], found_.on_all_rows)) {
+    if (losesStrength(without_[cause], found_.on_all_rows, effect)) {
       return "with it k_a ends at its bound: no torque of the log says how strong the motor is any more";
     }
     std::string unseen = outOfSight(*full.model, found_.on_all_rows.theta, effect, log_.data.rows);

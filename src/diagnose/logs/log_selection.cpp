@@ -12,10 +12,6 @@ namespace {
 
 /// Two causes whose validation errors differ by less than that share of the gain cannot be told apart.
 constexpr double kTie = 0.03;
-/// Causes of one kin (friction by the load and by the angle, of a pendulum) that change the model's rows alike say the
-/// same function, each by a law of its own that the true one may not have: a lead of less than that share of the gain
-/// is one of laws.
-constexpr double kLaws = 0.1, kAlike = 0.9;
 /// Where no cause explains so much, two that each explain the lesser share may together.
 constexpr double kClear = 0.5, kPromising = 0.1;
 
@@ -122,12 +118,6 @@ class Selector {
   std::size_t step_ = 0;
   std::set<std::string_view> dropped_;  ///< by pruning: what takes their place stays, or the steps would never end
 };
-
-bool saysTheSame(const Fitted& base, const Trial& winner, const Trial& other) {
-  const ActuatorEffect &one = *winner.hypothesis.effect, &two = *other.hypothesis.effect;
-  return !one.kin.empty() && one.kin == two.kin && other.gain->value > (1.0 - kLaws) * winner.gain->value &&
-         likeness(base, winner.fitted, other.fitted) > kAlike;
-}
 
 /// Of the causes that gain as much as the best, or say the same, the one that fits the fewest numbers: what a bias
 /// explains, a bias that changes in the middle of the log explains a little better.

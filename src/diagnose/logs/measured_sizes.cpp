@@ -138,6 +138,12 @@ std::string loadItReplaces(const Fitted& rest, const Fitted& full, const Actuato
                      1.0 / full.theta[0], 1.0 / rest.theta[0]);
 }
 
+bool losesStrength(const Fitted& rest, const Fitted& full, std::size_t effect) {
+  const auto lost = [](const Fitted& fitted) { return atBound(fitted.model->parameters()[0], fitted.theta[0]); };
+  return full.model->parameters()[0].name == "k_a" && lost(full) && !lost(rest) &&
+         std::ranges::any_of(full.model->effects()[effect]->columns, &EffectColumn::torque);
+}
+
 bool cancels(const ActuatorRegression& model, const Fitted& fitted, std::size_t effect) {
   const std::size_t count = model.effects()[effect]->columns.size();
   if (count < 2) return false;

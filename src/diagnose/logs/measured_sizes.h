@@ -38,6 +38,10 @@ std::string loadThatMayBeNone(const ActuatorRegression& model, const LogFit& fit
 /// reason enough for a quieter copy. Empty: it does not, or none was measured. \param rest  without the cause
 std::string loadItReplaces(const Fitted& rest, const Fitted& full, const ActuatorRows& rows);
 
+/// Whether the strength of a motor that a load told ends at its bound with a cause of torque: what was known of it made
+/// room. \param rest  without the cause
+bool losesStrength(const Fitted& rest, const Fitted& full, std::size_t effect);
+
 /// Terms that nearly cancel each other have no physical size (a sine over a small part of its period).
 bool cancels(const ActuatorRegression& model, const Fitted& fitted, std::size_t effect);
 

@@ -8,8 +8,20 @@
 #include "simgap/core/statistics.h"
 
 namespace simgap {
+namespace {
 
 using Eigen::Index;
+
+/// How alike two causes change the residual of a model that has neither, over the rows that all count: their
+/// correlation, -1 to 1.
+double likeness(const Fitted& base, const Fitted& one, const Fitted& other) {
+  const Eigen::ArrayXd without = residualOf(base).array(), a = residualOf(one).array(), b = residualOf(other).array();
+  const Eigen::ArrayXd shared = (without != 0.0 && a != 0.0 && b != 0.0).cast<double>();
+  const Eigen::ArrayXd by_one = shared * (a - without), by_other = shared * (b - without);
+  return (by_one * by_other).sum() / std::max(std::sqrt(by_one.square().sum() * by_other.square().sum()), 1e-300);
+}
+
+}  // namespace
 
 double distinctShare(const ActuatorRegression& model, const RowEvaluation& at, std::span<const Block> blocks,
                      std::size_t effect) {
@@ -57,11 +69,12 @@ double waldP(const ActuatorRegression& model, const RowEvaluation& at, const std
   return std::min(1.0, kSearched * 2.0 * normalTail(largest));
 }
 
-double likeness(const Fitted& base, const Fitted& one, const Fitted& other) {
-  const Eigen::ArrayXd without = residualOf(base).array(), a = residualOf(one).array(), b = residualOf(other).array();
-  const Eigen::ArrayXd shared = (without != 0.0 && a != 0.0 && b != 0.0).cast<double>();
-  const Eigen::ArrayXd by_one = shared * (a - without), by_other = shared * (b - without);
-  return (by_one * by_other).sum() / std::max(std::sqrt(by_one.square().sum() * by_other.square().sum()), 1e-300);
+bool saysTheSame(const Fitted& base, const Trial& winner, const Trial& other) {
+  constexpr double kLaws = 0.1;   // of the gain
+  constexpr double kAlike = 0.9;  // correlation
+  const ActuatorEffect &one = *winner.hypothesis.effect, &two = *other.hypothesis.effect;
+  return !one.kin.empty() && one.kin == two.kin && other.gain->value > (1.0 - kLaws) * winner.gain->value &&
+         likeness(base, winner.fitted, other.fitted) > kAlike;
 }
 
 }  // namespace simgap

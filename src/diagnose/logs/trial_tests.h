@@ -19,8 +19,9 @@ double distinctShare(const ActuatorRegression& model, const RowEvaluation& at, s
 /// and says nothing.
 double waldP(const ActuatorRegression& model, const RowEvaluation& at, const std::vector<Block>& pieces);
 
-/// How alike two causes change the residual of a model that has neither, over the rows that all count: their
-/// correlation, -1 to 1.
-double likeness(const Fitted& base, const Fitted& one, const Fitted& other);
+/// Whether a cause says what a better one does. Those of one kin (friction by the load and by the angle, of a pendulum)
+/// that change the model's rows alike say the same function, each by a law of its own that the true one may not have: a
+/// small lead is one of laws. \param base  the model without either
+bool saysTheSame(const Fitted& base, const Trial& winner, const Trial& other);
 
 }  // namespace simgap

@@ -12,9 +12,9 @@
 #include "parallel_filter.h"
 #include "row_faults.h"
 #include "simgap/core/error.h"
-#include "simgap/core/statistics.h"
 #include "simgap/measure/logs/channel_checks.h"
 #include "simgap/measure/logs/motion.h"
+#include "simgap/measure/logs/rests.h"
 #include "simgap/measure/logs/rig_load.h"
 #include "turns.h"
 #include "velocity_scale.h"
@@ -78,9 +78,7 @@ bool areSteadyStates(const ActuatorLog& log, double dead_band_widths) {
   constexpr double kJumps = 0.5;       // of the top speed: so wide a dead band leaves little
   if (log.has_time || log.velocity.size() < 3) return false;
   if (log.velocity.size() < kTable) return true;
-  std::vector<double> speeds(log.velocity);
-  for (double& speed : speeds) speed = std::abs(speed);
-  return dead_band_widths * noiseLevel(log.velocity) > kJumps * quantile(std::move(speeds), 0.95);
+  return dead_band_widths * noiseLevel(log.velocity) > kJumps * fastSpeed(log.velocity);
 }
 
 /// Something has to be left to fit.

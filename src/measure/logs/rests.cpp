@@ -28,12 +28,15 @@ std::vector<bool> findRests(std::span<const double> time, std::span<const double
   return rest;
 }
 
-double restingSpeed(std::span<const double> velocity, double dead_band) {
-  constexpr double kCreep = 2e-3;  // of the fastest twentieth's speed
+double fastSpeed(std::span<const double> velocity) {
   std::vector<double> speeds(velocity.begin(), velocity.end());
   for (double& speed : speeds) speed = std::abs(speed);
-  if (speeds.empty()) return dead_band;
-  return std::max(dead_band, kCreep * quantile(std::move(speeds), 0.95));
+  return speeds.empty() ? 0.0 : quantile(std::move(speeds), 0.95);
+}
+
+double restingSpeed(std::span<const double> velocity, double dead_band) {
+  constexpr double kCreep = 2e-3;  // of the fastest rows' speed
+  return std::max(dead_band, kCreep * fastSpeed(velocity));
 }
 
 }  // namespace simgap

@@ -13,7 +13,6 @@
 #include "row_faults.h"
 #include "simgap/core/error.h"
 #include "simgap/core/rotation.h"
-#include "simgap/core/statistics.h"
 #include "simgap/measure/logs/channel_checks.h"
 #include "simgap/measure/logs/resolution.h"
 #include "simgap/measure/logs/rests.h"
@@ -172,9 +171,7 @@ constexpr double kSharper = 1.4;
 /// where they are, and dry friction seems to build up over a travel.
 bool blursTurns(std::span<const double> velocity, double dead_band_widths) {
   constexpr double kTrifle = 0.01;  // of the top speed
-  std::vector<double> speeds(velocity.begin(), velocity.end());
-  for (double& speed : speeds) speed = std::abs(speed);
-  return !speeds.empty() && dead_band_widths * noiseLevel(velocity) > kTrifle * quantile(std::move(speeds), 0.95);
+  return dead_band_widths * noiseLevel(velocity) > kTrifle * fastSpeed(velocity);
 }
 
 /// Velocity and acceleration, and in which rows the joint moves.

@@ -6,6 +6,7 @@
 
 #include "candidate_entries.h"
 #include "simgap/core/csv.h"
+#include "simgap/core/error.h"
 #include "simgap/model/arm/arm_yaml.h"
 
 namespace simgap {
@@ -22,6 +23,14 @@ std::string fileNameOf(const YamlNode& node) {
   std::string name = node.text();
   if (name.find('/') != std::string::npos) node.fail("expected a file beside this one");
   return name;
+}
+
+void requireCandidates(const std::filesystem::path& run) {
+  if (std::filesystem::is_directory(run / kCandidateFolder)) return;
+  throw ConfigError(
+      fmt::format("{}: found no folder {}, expected the result of simgap diagnose that had models to compare: where "
+                  "nothing was found there are none",
+                  run.string(), kCandidateFolder));
 }
 
 bool holdsCandidates(const std::filesystem::path& run, std::string_view format) {

@@ -1,13 +1,11 @@
 // A weight beside the one a pendulum's bench knows: what pulls with the known one, k_a makes up for, and what pulls
 // across it is named.
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
-#include "simgap/diagnose/logs/log_diagnosis.h"
+#include "prepared_logs.h"
 
 namespace simgap {
 namespace {
@@ -18,24 +16,10 @@ constexpr double kBob = 0.5 * 9.81 * 0.2, kBobInertia = 0.5 * 0.2 * 0.2;  // of 
 
 /// Swings, and a bracket of `bracket` N m hangs `angle` rad from the bob. \returns what diagnose says of it
 Diagnosis diagnoseBracket(double bracket, double angle) {
-  constexpr double kRate = 100.0, kGain = 0.8;  // [Hz], [N m / A]
-  std::mt19937_64 random(11);
-  std::normal_distribution<double> noise(0.0, 1.0);
-  std::string csv = "time_s,motor_position_rad,motor_velocity_rad_s,motor_current_A\n";
-  for (int i = 0; i < 9000; ++i) {
-    const double t = i / kRate, theta = 0.2 + 0.9 * std::sin(0.8 * t) + 0.5 * std::sin(0.31 * t + 1.0);
-    const double w = 0.72 * std::cos(0.8 * t) + 0.155 * std::cos(0.31 * t + 1.0);
-    const double acceleration = -0.576 * std::sin(0.8 * t) - 0.04805 * std::sin(0.31 * t + 1.0);
+  return test::diagnosePendulum(0.2, 1.0, [&](double theta, double velocity, double acceleration) {
     const double weights = kBob * std::sin(theta) + bracket * std::sin(theta - angle);
-    const double torque = weights + kBobInertia * acceleration + (w > 0.0 ? 0.12 : -0.12) + 0.05 * w;
-    csv += fmt::format("{:.3f},{:.4f},{:.5f},{:.5f}\n", t, theta, w, torque / kGain + 0.01 * noise(random));
-  }
-  PreparedLog log = prepareLog(
-      CsvTable::parse(csv, "log.csv"),
-      readBench(YamlNode::parse(
-          "format: simgap/bench/1\nload: pendulum\nmass_kg: 0.5\nlength_m: 0.2\nangle_offset_rad: 0\n", "rig.yaml")),
-      ActuatorKind::kFriction);
-  return diagnoseLog(subjectOf("coulomb"), log, {}).diagnosis;
+    return weights + kBobInertia * acceleration + std::copysign(0.12, velocity) + 0.05 * velocity;
+  });
 }
 
 TEST(JointGravity, OfABracketBesideAPendulumsBobIsWhatPullsAcross) {

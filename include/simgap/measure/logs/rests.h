@@ -23,6 +23,9 @@ struct RestRule {
 std::vector<bool> findRests(std::span<const double> time, std::span<const double> velocity,
                             std::span<const int> session, const RestRule& rule);
 
+/// Of the fastest twentieth of the rows: a single one may be a spike. 0 of none.
+double fastSpeed(std::span<const double> velocity);
+
 /// Speed below which a drive counts as resting: its dead band, or a small share of its usual speed, because held drives
 /// creep.
 double restingSpeed(std::span<const double> velocity, double dead_band);

@@ -28,7 +28,10 @@ inline constexpr const char* kGivenBench = "bench.yaml";
 inline constexpr const char* kLogCandidates = "simgap/log-candidates/1";
 inline constexpr const char* kMotionCandidates = "simgap/motion-candidates/1";
 
-/// Whether a run has left candidates. \param format  kLogCandidates or kMotionCandidates
+/// \throws ConfigError: a run without candidates of any kind.
+void requireCandidates(const std::filesystem::path& run);
+
+/// Whether a run has left candidates of a kind. \param format  kLogCandidates or kMotionCandidates
 bool holdsCandidates(const std::filesystem::path& run, std::string_view format);
 
 /// \param poses_csv  the files as the user gave them
