@@ -261,6 +261,25 @@ std::vector<Index> standingAlone(const PreparedLog& log, const Eigen::VectorXd& 
   return alone;
 }
 
+/// The first rows of sessions, up to the last one that is far off there: a recording may begin while a filter settles
+/// or a controller is switched on. None where others are far off, too: that is no beginning's.
+std::vector<Index> ofBeginnings(const ActuatorRows& rows, const std::vector<bool>& far) {
+  constexpr double kBeginning = 0.5;  // [s]
+  constexpr double kElsewhere = 0.2;  // of the rows that are far off
+  std::vector<Index> first;
+  Index all = 0, begun = 0;
+  for (Index i = 0, begin = 0, taken = 0; i < rows.rows(); ++i) {
+    if (i == 0 || rows.session[i] != rows.session[i - 1]) begin = taken = i;
+    if (!far[i]) continue;
+    ++all;
+    if (rows.time[i] - rows.time[begin] > kBeginning) continue;
+    ++begun;
+    for (; taken <= i; ++taken) first.push_back(taken);
+  }
+  if (static_cast<double>(all - begun) > kElsewhere * static_cast<double>(all)) first.clear();
+  return first;
+}
+
 }  // namespace
 
 std::vector<DataFault> findFaults(PreparedLog& log) {
@@ -324,13 +343,17 @@ std::vector<DataFault> takeOutSpikes(PreparedLog& log, const Eigen::VectorXd& re
     const bool neither = flipped.size() > 0 && std::abs(flipped[i]) > limit && residual[i] * flipped[i] > 0.0;
     far[i] = std::abs(residual[i]) > limit && (sure || neither);
   }
-  const std::vector<Index> spikes = standingAlone(log, residual, far);
-  if (spikes.empty()) return {};
   std::vector<DataFault> faults;
-  leaveOut(log.effort_column,
-           fmt::format("{} rows stand alone, more than {:.0f} robust standard deviations off the model: outliers",
-                       spikes.size(), kSpike),
-           spikes, log, faults);
+  const auto take = [&](const std::vector<Index>& bad, std::string_view where) {
+    if (bad.empty()) return;
+    leaveOut(log.effort_column,
+             fmt::format("{} rows {} more than {:.0f} robust standard deviations off the model: outliers", bad.size(),
+                         where, kSpike),
+             bad, log, faults);
+    for (const Index i : bad) far[i] = false;
+  };
+  take(standingAlone(log, residual, far), "stand alone,");
+  if (rows.timed) take(ofBeginnings(rows, far), "at the beginning are");
   return faults;
 }
 

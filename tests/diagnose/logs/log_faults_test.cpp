@@ -142,6 +142,25 @@ TEST(LogFaults, LeavesAFewBesideARest) {
   EXPECT_TRUE(takeOutSpikes(misfit.log, misfit.residual).empty());
 }
 
+TEST(LogFaults, TakesOutABeginningThatIsLikeNothingElse) {
+  Misfit misfit;
+  const auto rows = static_cast<Index>(std::lround(0.2 / misfit.log.data.rows.step));
+  misfit.residual.head(rows).setConstant(5.0);
+  misfit.residual[1] = 0.1;
+  misfit.residual[500] = 5.0;  // stands alone
+  const std::vector<DataFault> faults = takeOutSpikes(misfit.log, misfit.residual);
+  ASSERT_EQ(faults.size(), 2u);
+  EXPECT_EQ(faults[1].last_row, static_cast<std::size_t>(rows)) << faults[1].sentence;
+  EXPECT_EQ(std::ranges::count(misfit.log.data.keep, false), rows + 1);
+}
+
+TEST(LogFaults, LeavesABeginningThatIsLikeOtherMoments) {
+  Misfit misfit;
+  misfit.residual.head(20).setConstant(5.0);
+  misfit.residual.segment(500, 20).setConstant(5.0);
+  EXPECT_TRUE(takeOutSpikes(misfit.log, misfit.residual).empty());
+}
+
 TEST(LogFaults, ManySpikesDoNotStopADiagnosis) {
   Misfit misfit;
   std::ptrdiff_t spikes = 0;
