@@ -27,6 +27,7 @@ const std::map<std::string, void (*)(PamTruth&)> kPam = {
     {"tendon-compliance", [](PamTruth& t) { t.tendon = 20000.0; }},
     {"pressure-threshold", [](PamTruth& t) { t.bladder = 2e4; }},
     {"pressure-bias", [](PamTruth& t) { t.sensor_offset = -2e4; }},
+    {"contraction-damping", [](PamTruth& t) { t.drag = 12.0; }},
     {"contraction-hysteresis", [](PamTruth& t) { t.braid_friction = 3e-5; }},
     {"end-effect", [](PamTruth& t) { t.ends = 0.2; }},
     {"wall-stiffness", [](PamTruth& t) { t.wall = 400.0; }},

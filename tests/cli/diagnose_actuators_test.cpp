@@ -112,6 +112,17 @@ TEST_F(DiagnoseActuators, NameTheRubberOfAMuscle) {
   EXPECT_NEAR(valueOf(slow, "share"), 0.08, 0.02);
 }
 
+// It had been friction of the braid, at a size that could as well have been none.
+TEST_F(DiagnoseActuators, NameTheDragOfAMuscle) {
+  for (const double drag : {5.0, 15.0}) {
+    reality::PamTruth truth;
+    truth.drag = drag;
+    const Json result = askMuscle(truth, 26);
+    ASSERT_TRUE(alone(result, "contraction-damping")) << result.at("sentence");
+    EXPECT_NEAR(valueOf(result, "c") * 0.05, drag, 0.25 * drag);
+  }
+}
+
 // Rubber creeps by the logarithm of time: with one relaxation time half of a share was found, and a bias of the force.
 TEST_F(DiagnoseActuators, NameARubberThatCreepsOnManyTimeScales) {
   reality::PamTruth truth;

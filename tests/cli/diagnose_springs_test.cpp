@@ -219,10 +219,11 @@ TEST_F(Springs, NameTheDirectionThatIsStiffer) {
 }
 
 /// 150 N/m on either side of a play. \param half  of it [m]  \param damping  beside it [N s/m]
-reality::SpringTruth withPlay(double half, double damping) {
+reality::SpringTruth withPlay(double half, double damping, double middle = 0.0) {
   reality::SpringTruth truth;
   truth.damping = damping;
-  truth.curve = {{-1.0, -150.0 * (1.0 - half)}, {-half, 0.0}, {half, 0.0}, {1.0, 150.0 * (1.0 - half)}};
+  const double reach = 150.0 * (1.0 - half);
+  truth.curve = {{middle - 1.0, -reach}, {middle - half, 0.0}, {middle + half, 0.0}, {middle + 1.0, reach}};
   return truth;
 }
 
@@ -235,6 +236,18 @@ TEST_F(Springs, NameThePlayInSeriesWithThem) {
   ASSERT_TRUE(alone(result, "spring-play")) << result.at("sentence") << result.at("candidates");
   EXPECT_NEAR(valueOf(result, "play"), 0.002, 1e-4);
   EXPECT_NEAR(valueOf(result, "middle"), 0.0, 1e-4);
+}
+
+// Few rows lie within a play of a hundredth of the range, and its place was where the search began.
+TEST_F(Springs, PlaceAPlayThatIsSmall) {
+  for (const std::uint64_t seed : {16u, 17u}) {
+    reality::SpringDesign design = rig(seed);
+    design.low = -0.05;
+    const Json result = ask(withPlay(0.0008, 4.0, 0.003), design);
+    ASSERT_TRUE(alone(result, "spring-play")) << result.at("sentence") << result.at("candidates");
+    EXPECT_NEAR(valueOf(result, "play"), 0.0016, 2e-4);
+    EXPECT_NEAR(valueOf(result, "middle"), 0.003, 2e-4);
+  }
 }
 
 // A damper beside the spring, and not behind the play, resists within it, too: that had been "no multiple of the rate".

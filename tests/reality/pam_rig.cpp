@@ -83,6 +83,8 @@ PamRecord recordPam(const PamTruth& m, const PamDesign& design) {
       inside = k == 0 || m.hose_seconds <= 0.0 ? p : through_hose(inside, p_before, p);
       p_before = p;
       double f = muscleForce(m, inside, e) - m.braid_friction * inside * bristle;
+      const double rate = moved * design.rate;
+      f -= m.drag * std::copysign(std::pow(std::abs(rate) / 0.05, 0.85), rate);
       settled += k == 0 ? f : (f - settled) / (m.creep_seconds * design.rate);
       f += m.creep * (f - settled);
       elastic.push_back(f);

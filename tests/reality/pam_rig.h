@@ -22,6 +22,7 @@ struct PamTruth {
   double ends = 0.0;              ///< share by which contraction counts more, without pressure
   double ends_pressure = 1.2e5;   ///< [Pa] over which that goes
   double wall = 0.0;              ///< [N] stiffness of the rubber tube inside, without pressure
+  double drag = 0.0;              ///< [N] of rubber that is pulled at 0.05/s, less than in proportion to the rate
   double creep = 0.0;             ///< share of a change of force that dies away …
   double creep_seconds = 4.0;     ///< … within that time
   double creep_log = 0.0;         ///< share that dies away per factor e of the time since a change, 20 ms to 60 s

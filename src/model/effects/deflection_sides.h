@@ -28,6 +28,15 @@ inline double furthestDeflection(const ActuatorRows& rows, double origin) {
   return std::max((rows.deflection - origin).abs().maxCoeff(), 1e-12);
 }
 
+/// The share of its force that a damper beside a spring has, shape (n): all of it beyond the edge of where both hang
+/// loose, and none a little within. At once it would be a jump, which has no derivative and which no search crosses.
+/// \param beyond  how far beyond the edge, below 0 within, shape (n)
+inline Eigen::ArrayXd dampedShare(const Eigen::ArrayXd& beyond, const ActuatorRows& rows) {
+  constexpr double kLittle = 0.005;  // of the range
+  const double range = rows.deflection.maxCoeff() - rows.deflection.minCoeff();
+  return (1.0 + beyond / std::max(kLittle * range, 1e-12)).max(0.0).min(1.0);
+}
+
 /// What bends a curve: with u = |e| / reach, on either side of its own,
 ///
 ///     e u^(exponent - 1) / (1 - saturation + saturation u),

@@ -298,6 +298,28 @@ TEST(SpringPlay, IsPulledThroughBothWays) {
   EXPECT_TRUE(play.counts(std::array{0.2, 0.5}, rows));     // of its width and its middle
   EXPECT_FALSE(play.counts(std::array{0.2, 0.13}, rows));   // hardly beyond one end: a cord that hangs loose
   EXPECT_FALSE(play.counts(std::array{0.002, 0.5}, rows));  // hardly a row within it
+  EXPECT_TRUE(play.counts(std::array{0.008, 0.5}, rows));   // fast through it: the force steps there all the same
+}
+
+// A jump has no derivative: a search had ended where it stood, with an interval of a thousandth of what the log told.
+TEST(SpringPlay, AndSlackHaveADamperThatComesInWithoutAJump) {
+  ActuatorRows rows;
+  rows.deflection = Eigen::ArrayXd::LinSpaced(1000, 0.0, 1.0);
+  const auto viscous = [&](const char* effect, std::initializer_list<double> p) {
+    ActuatorTerms terms;
+    terms.deflection = rows.deflection;
+    terms.viscous = Eigen::ArrayXd::Ones(1000);
+    actuator_effects::find(effect).apply({p.begin(), p.size()}, rows, terms);
+    return terms.viscous;
+  };
+  constexpr double kStep = 1e-6;
+  const Eigen::ArrayXd moved = viscous("spring-play", {0.2, 0.5 + kStep}) - viscous("spring-play", {0.2, 0.5});
+  EXPECT_LT(moved.abs().maxCoeff(), 1e3 * kStep);
+  const Eigen::ArrayXd slack = viscous("spring-slack", {0.5 + kStep}) - viscous("spring-slack", {0.5});
+  EXPECT_LT(slack.abs().maxCoeff(), 1e3 * kStep);
+  const Eigen::ArrayXd loose = viscous("spring-slack", {0.5});
+  EXPECT_EQ(loose[400], 0.0);
+  EXPECT_EQ(loose[600], 1.0);
 }
 
 TEST(EffectForms, AFormThatIsNoneIsRefusedWithThoseThatAre) {

@@ -11,10 +11,10 @@ namespace {
 constexpr EffectParameter kParameters[] = {{"play", "rad", 0.0, 10.0, 0.0, 0.0},
                                            {"middle", "rad", -100.0, 100.0, 0.0, 0.0, EffectParameter::Kind::kShape}};
 
-void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) {
+void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
   const Eigen::ArrayXd e = terms.deflection - p[1];
   const double half = 0.5 * p[0];
-  terms.viscous = (e.abs() >= half).select(terms.viscous, 0.0);
+  terms.viscous *= dampedShare(e.abs() - half, rows);
   terms.deflection -= e.max(-half).min(half);
 }
 
@@ -27,13 +27,15 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
 
 /// What is hardly pulled beyond one of its ends is a cord that hangs loose.
 bool counts(std::span<const double> p, const ActuatorRows& rows) {
-  constexpr double kFewest = 0.02, kFewestWithin = 0.005;  // shares of the rows
-  constexpr double kBeyond = 0.05;                         // of the range
+  constexpr double kFewest = 0.02;       // of the rows
+  constexpr double kFewestWithin = 5.0;  // rows
+  constexpr double kBeyond = 0.05;       // of the range
   const Eigen::ArrayXd e = rows.deflection - p[1];
   const double half = 0.5 * p[0], low = e.minCoeff(), high = e.maxCoeff();
   if (std::min(-half - low, high - half) < kBeyond * (high - low)) return false;
-  const auto share = [](const auto& which) { return which.template cast<double>().mean(); };
-  return share(e < -half) > kFewest && share(e > half) > kFewest && share(e.abs() < half) > kFewestWithin;
+  const auto rowsOf = [](const auto& which) { return which.template cast<double>().sum(); };
+  const double fewest = kFewest * static_cast<double>(e.size());
+  return rowsOf(e < -half) > fewest && rowsOf(e > half) > fewest && rowsOf(e.abs() < half) >= kFewestWithin;
 }
 
 }  // namespace

@@ -5,7 +5,8 @@
 ///
 /// What is left below L_0, stiffness L_0 + offset, is the reading of the unloaded sensor.
 #include "simgap/model/actuator/fitted_model.h"
-#include "simgap/model/effects/actuator_effect.h"
+
+#include "../deflection_sides.h"
 
 namespace simgap::actuator_effects::spring_slack {
 namespace {
@@ -16,8 +17,8 @@ constexpr EffectParameter kParameters[] = {
 
 constexpr OwnParameter kOwn{.law = kCord, .law_without = "", .name = "rest_length", .unit = "", .inverse = false};
 
-void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) {
-  terms.viscous = (terms.deflection > p[0]).select(terms.viscous, 0.0);
+void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
+  terms.viscous *= dampedShare(terms.deflection - p[0], rows);
   terms.deflection = terms.deflection.max(p[0]);
 }
 
