@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <sstream>
 
 #include "cli/cli_fixture.h"
 #include "reality/friction_log.h"
@@ -265,6 +266,32 @@ TEST_F(DiagnoseActuators, NameWhatIsWrongWithAWinding) {
   EXPECT_NEAR(refit.at("mse").get<double>(), heat.at("extended").at("mse").get<double>(),
               0.1 * refit.at("mse").get<double>());
   EXPECT_TRUE(alone(heat, "winding-heating")) << heat.at("sentence");
+}
+
+/// The log with the temperature of a winding that warms up with its losses within `seconds`.
+std::string withTemperature(const reality::MotorBenchLog& log, double seconds) {
+  std::istringstream rows(log.csv());
+  std::string line, csv;
+  std::getline(rows, line);
+  csv = line + ",temperature_degC\n";
+  double warm = 0.0;
+  for (std::size_t i = 0; std::getline(rows, line); ++i) {
+    const bool begins = i == 0 || log.session[i] != log.session[i - 1];
+    warm = begins ? 0.0 : warm + (log.time[i] - log.time[i - 1]) * (log.current[i] * log.current[i] - warm) / seconds;
+    csv += fmt::format("{},{:.2f}\n", line, 20.0 + 10.0 * warm);
+  }
+  return csv;
+}
+
+// Its time to warm up was printed, too, as if it were known: where it had begun, to 0 s.
+TEST_F(DiagnoseActuators, SayOfAWindingsHeatingWhatTheTemperatureLeavesOpen) {
+  reality::MotorTruth warm;
+  warm.heating = 0.6;
+  const Json heat = ask("motor", withTemperature(reality::simulateMotor(warm, bench(11)), warm.heating_seconds));
+  ASSERT_TRUE(alone(heat, "winding-heating")) << heat.at("sentence");
+  const Json& parameters = heat.at("causes")[0].at("parameters");
+  ASSERT_EQ(parameters.size(), 1u) << parameters;
+  EXPECT_EQ(parameters[0].at("name"), "dR");
 }
 
 TEST_F(DiagnoseActuators, NameWhatIsWrongWithAGearbox) {

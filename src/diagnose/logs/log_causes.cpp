@@ -23,9 +23,10 @@ std::vector<Absorption> shifts(const std::vector<Estimate>& before, const std::v
   return list;
 }
 
-bool isScanned(const ActuatorEffect& effect, std::string_view parameter) {
+/// Whether an effect's parameter is of a kind.
+bool isOf(EffectParameter::Kind kind, const ActuatorEffect& effect, std::string_view parameter) {
   const auto found = std::ranges::find(effect.parameters, parameter, &EffectParameter::name);
-  return found != effect.parameters.end() && found->kind == EffectParameter::Kind::kScanned;
+  return found != effect.parameters.end() && found->kind == kind;
 }
 
 /// A delay has not the residuals' uncertainty alone. Where between two rows a reversal lies, and for how long a held
@@ -101,9 +102,12 @@ std::vector<Cause> causesOf(const Selection& selection, const std::vector<GroupE
     cause.p_adjusted = selection.p_adjusted[k];
     cause.ambiguous_with = selection.ambiguous_with[k];
     for (const Estimate& p : extended.extensions[own + k].parameters) {
+      const bool told = p.sd > 0.0 && std::isfinite(p.sd);
+      // A shape that changes nothing is none of the cause's: the time of a warm-up, where a temperature was logged.
+      if (!told && !p.at_bound && isOf(EffectParameter::Kind::kShape, effect, p.name)) continue;
       // What was looked for step by step has no derivative to tell its interval by: none is stated.
-      const double half = isScanned(effect, p.name) ? std::nan("") : std::isfinite(p.sd) ? extended.t * p.sd : 0.0;
-      cause.parameters.push_back(withInterval(p, half));
+      const bool scanned = isOf(EffectParameter::Kind::kScanned, effect, p.name);
+      cause.parameters.push_back(withInterval(p, told && !scanned ? extended.t * p.sd : std::nan("")));
     }
     cause.absorbed_by = absorbed(shifts(baseline.parameters, extended.parameters));
   }

@@ -97,6 +97,9 @@ class Selector {
   std::vector<std::size_t> promising(const std::vector<Trial>& trials) const;
   void accept(std::vector<Trial> trials, std::size_t accepted);
   void record(const std::vector<Trial>& trials, std::optional<std::size_t> accepted);
+  /// Of the chosen model over one with a cause less.
+  double gainOver(const Fitted& rest) const { return 1.0 - selection_.chosen.validation.mse() / rest.validation.mse(); }
+  bool standsForAll(std::size_t cause, const Fitted& others) const;
   void prune();
   void review();
   void dropStandIns();
@@ -256,13 +259,37 @@ void Selector::drop(std::size_t k, const Fitted& rest, double gain) {
   forget(k, selection_);
 }
 
-/// Takes out causes that the later ones made superfluous.
+/// Whether a cause alone says nearly what two others and more say together without it, and by fewer numbers.
+bool Selector::standsForAll(std::size_t cause, const Fitted& others) const {
+  constexpr double kNearly = 0.9;  // of the gain
+  if (causes() < 3) return false;
+  const std::vector<const ActuatorEffect*>& effects = selection_.chosen.model->effects();
+  std::vector<const ActuatorEffect*> one(effects.begin(), effects.begin() + static_cast<std::ptrdiff_t>(own_));
+  one.push_back(effects[own_ + cause]);
+  std::size_t sizes = 0;
+  for (std::size_t k = 0; k < causes(); ++k) sizes += k == cause ? 0 : sizesOf(*effects[own_ + k]);
+  if (sizesOf(*one.back()) >= sizes) return false;
+  Fitted alone = search_.fit(one, &selection_.chosen);
+  search_.validate(alone);
+  const double before = selection_.baseline.validation.mse();
+  return before - alone.validation.mse() >= kNearly * (before - others.validation.mse());
+}
+
+/// Takes out causes that the others made superfluous, or all others where it is they that are.
 void Selector::prune() {
   for (std::size_t k = causes(); k-- > 0 && causes() > 1;) {
     const Fitted rest = validatedWithout(selection_.chosen, k);
-    const double gain = 1.0 - selection_.chosen.validation.mse() / rest.validation.mse();
-    if (gain < options_.least_gain || pairedP(rest.validation, selection_.chosen.validation) >= options_.level) {
+    const double gain = gainOver(rest);
+    if (gain >= options_.least_gain && pairedP(rest.validation, selection_.chosen.validation) < options_.level)
+      continue;
+    if (!standsForAll(k, rest)) {
       drop(k, rest, gain);
+      continue;
+    }
+    while (causes() > 1) {
+      const std::size_t other = causes() - 1 > k ? causes() - 1 : --k;
+      const Fitted without = validatedWithout(selection_.chosen, other);
+      drop(other, without, gainOver(without));
     }
   }
 }

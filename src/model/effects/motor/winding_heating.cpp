@@ -46,7 +46,9 @@ const ActuatorEffect entry = {
     .name = "winding-heating",
     .kind = ActuatorKind::kMotor,
     .cause = "the winding warms up and its resistance grows",
-    .equation = "V += dR u i, u: logged temperature, or du/dt = (i^2 / mean(i^2) - u) / tau",
+    .equation =
+        "V += dR u i, u: logged temperature, 0 at its coldest and 1 at its warmest, or du/dt = (i^2 / mean(i^2) - u) / "
+        "tau",
     .signature = "residual x current grows over minutes of large current and falls in rest",
     .source = "000 eq. 8; copper: 0.39 % per K",
     .look_alikes = "brush-drop, anything that drifts with time",
