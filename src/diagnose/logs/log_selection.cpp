@@ -15,12 +15,6 @@ constexpr double kTie = 0.03;
 /// Where no cause explains so much, two that each explain the lesser share may together.
 constexpr double kClear = 0.5, kPromising = 0.1;
 
-/// How many numbers a cause fits.
-std::size_t sizesOf(const ActuatorEffect& effect) {
-  const auto fitted = [](const EffectParameter& p) { return p.kind != EffectParameter::Kind::kConstant; };
-  return effect.columns.size() + static_cast<std::size_t>(std::ranges::count_if(effect.parameters, fitted));
-}
-
 /// Models with the first cause, the first two … of `selection.chosen`.
 void rebuildSteps(const LogSearch& search, std::size_t own, Selection& selection) {
   selection.steps = {selection.baseline};
@@ -39,30 +33,6 @@ void forget(std::size_t cause, Selection& selection) {
   selection.p_adjusted.erase(selection.p_adjusted.begin() + at);
   selection.ambiguous_with.erase(selection.ambiguous_with.begin() + at);
   selection.instead.erase(selection.instead.begin() + at);
-}
-
-/// The first few of different causes.
-std::vector<const Trial*> oneOfEach(const std::vector<const Trial*>& trials, std::size_t most) {
-  std::vector<const Trial*> few;
-  for (const Trial* trial : trials) {
-    const auto same = [&](const Trial* other) {
-      return other->hypothesis.effect->name == trial->hypothesis.effect->name;
-    };
-    if (few.size() < most && std::ranges::none_of(few, same)) few.push_back(trial);
-  }
-  return few;
-}
-
-/// Causes none of whose forms the model's own parameters leave anything to say.
-std::vector<std::string> aliased(const std::vector<Trial>& trials) {
-  std::vector<std::string> names;
-  for (const Trial& trial : trials) {
-    const std::string name(trial.hypothesis.effect->name);
-    const auto told = [&](const Trial& other) { return other.identifiable && other.hypothesis.effect->name == name; };
-    const bool known = std::ranges::find(names, name) != names.end();
-    if (!known && std::ranges::none_of(trials, told)) names.push_back(name);
-  }
-  return names;
 }
 
 class Selector {

@@ -77,4 +77,31 @@ bool saysTheSame(const Fitted& base, const Trial& winner, const Trial& other) {
          likeness(base, winner.fitted, other.fitted) > kAlike;
 }
 
+std::size_t sizesOf(const ActuatorEffect& effect) {
+  const auto fitted = [](const EffectParameter& p) { return p.kind != EffectParameter::Kind::kConstant; };
+  return effect.columns.size() + static_cast<std::size_t>(std::ranges::count_if(effect.parameters, fitted));
+}
+
+std::vector<const Trial*> oneOfEach(const std::vector<const Trial*>& trials, std::size_t most) {
+  std::vector<const Trial*> few;
+  for (const Trial* trial : trials) {
+    const auto same = [&](const Trial* other) {
+      return other->hypothesis.effect->name == trial->hypothesis.effect->name;
+    };
+    if (few.size() < most && std::ranges::none_of(few, same)) few.push_back(trial);
+  }
+  return few;
+}
+
+std::vector<std::string> aliased(const std::vector<Trial>& trials) {
+  std::vector<std::string> names;
+  for (const Trial& trial : trials) {
+    const std::string name(trial.hypothesis.effect->name);
+    const auto told = [&](const Trial& other) { return other.identifiable && other.hypothesis.effect->name == name; };
+    const bool known = std::ranges::find(names, name) != names.end();
+    if (!known && std::ranges::none_of(trials, told)) names.push_back(name);
+  }
+  return names;
+}
+
 }  // namespace simgap

@@ -3,6 +3,7 @@
 /// they are further from none than chance leaves them.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "log_hypotheses.h"
@@ -23,5 +24,14 @@ double waldP(const ActuatorRegression& model, const RowEvaluation& at, const std
 /// that change the model's rows alike say the same function, each by a law of its own that the true one may not have: a
 /// small lead is one of laws. \param base  the model without either
 bool saysTheSame(const Fitted& base, const Trial& winner, const Trial& other);
+
+/// How many numbers a cause fits.
+std::size_t sizesOf(const ActuatorEffect& effect);
+
+/// The first few of different causes.
+std::vector<const Trial*> oneOfEach(const std::vector<const Trial*>& trials, std::size_t most);
+
+/// Causes none of whose forms the model's own parameters leave anything to say.
+std::vector<std::string> aliased(const std::vector<Trial>& trials);
 
 }  // namespace simgap
