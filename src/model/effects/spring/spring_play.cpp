@@ -1,27 +1,32 @@
 /// \file
 /// There is play in series with the spring, as of a gear or a loose end: within it nothing is stretched, and neither
-/// spring nor damper has any force,
+/// spring nor damper behind it has any force,
 ///
-///     F = stiffness (x - clamp(x - middle, -play / 2, play / 2)) + offset + damping dx/dt [outside].
+///     F = stiffness (x - clamp(x - middle, -play / 2, play / 2)) + offset + damping dx/dt,
+///
+/// or, where the damper sits beside spring and play (`beside` = 1), with its force within, too.
 #include "../deflection_sides.h"
 
 namespace simgap::actuator_effects::spring_play {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"play", "rad", 0.0, 10.0, 0.0, 0.0},
-                                           {"middle", "rad", -100.0, 100.0, 0.0, 0.0, EffectParameter::Kind::kShape}};
+                                           {"middle", "rad", -100.0, 100.0, 0.0, 0.0, EffectParameter::Kind::kShape},
+                                           {"beside", "1", 0.0, 1.0, 0.0, 0.0, EffectParameter::Kind::kConstant}};
 
 void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
   const Eigen::ArrayXd e = terms.deflection - p[1];
   const double half = 0.5 * p[0];
-  terms.viscous *= dampedShare(e.abs() - half, rows);
+  if (p[2] == 0.0) terms.viscous *= dampedShare(e.abs() - half, rows);
   terms.deflection -= e.max(-half).min(half);
 }
 
 std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
   const double range = rows.deflection.maxCoeff() - rows.deflection.minCoeff(), middle = unloadedDeflection(rows);
   std::vector<std::vector<double>> list;
-  for (const double part : {0.01, 0.03, 0.1, 0.3}) list.push_back({part * range, middle});
+  for (const double part : {0.01, 0.03, 0.1, 0.3}) {
+    for (const double beside : {0.0, 1.0}) list.push_back({part * range, middle, beside});
+  }
   return list;
 }
 
@@ -47,6 +52,7 @@ const ActuatorEffect entry = {
     .cause = "there is play in series with the spring: within it nothing is stretched",
     .equation = "F = stiffness (x - clamp(x - middle, -play / 2, play / 2)) + offset",
     .signature = "force over deflection is flat between two kinks, and equally steep beyond both",
+    .remarks = "a damper resists within the play (`beside` = 1) or beyond it only, as the data choose",
     .source = "Nordin & Gutman 2002",
     .look_alikes = "spring-direction and spring-slack where one side is hardly loaded, spring-hardening",
     .separates = "many slow crossings of the deflection without force, with small amplitudes on either side",
