@@ -7,7 +7,7 @@
 namespace simgap::actuator_effects::end_effect {
 namespace {
 
-constexpr EffectParameter kParameters[] = {{"s", "1", -0.5, 1.0, 0.0, 0.0},
+constexpr EffectParameter kParameters[] = {{"s", "1", 0.0, 1.0, 0.0, 0.0},
                                            {"p_e", "Pa", 5e3, 5e5, 1e5, 1e5, EffectParameter::Kind::kShape}};
 
 void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) {
@@ -15,7 +15,7 @@ void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerm
 }
 
 std::vector<std::vector<double>> starts(const ActuatorRows& /*rows*/, const Eigen::ArrayXd& /*residual*/) {
-  return {{0.1, 4e4}, {0.1, 1.5e5}, {-0.1, 1e5}};
+  return {{0.1, 4e4}, {0.1, 1.5e5}};
 }
 
 }  // namespace
