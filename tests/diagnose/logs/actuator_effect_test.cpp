@@ -313,7 +313,8 @@ TEST(SpringPlay, AndSlackHaveADamperThatComesInWithoutAJump) {
     return terms.viscous;
   };
   constexpr double kStep = 1e-6;
-  const Eigen::ArrayXd moved = viscous("spring-play", {0.2, 0.5 + kStep, 0.0}) - viscous("spring-play", {0.2, 0.5, 0.0});
+  const Eigen::ArrayXd moved =
+      viscous("spring-play", {0.2, 0.5 + kStep, 0.0}) - viscous("spring-play", {0.2, 0.5, 0.0});
   EXPECT_LT(moved.abs().maxCoeff(), 1e3 * kStep);
   const Eigen::ArrayXd slack = viscous("spring-slack", {0.5 + kStep}) - viscous("spring-slack", {0.5});
   EXPECT_LT(slack.abs().maxCoeff(), 1e3 * kStep);
