@@ -250,6 +250,21 @@ TEST_F(Springs, PlaceAPlayThatIsSmall) {
   }
 }
 
+// Two bends of the curve, one up and one down, had taken it apart, and were refused for their sizes then.
+TEST_F(Springs, NameAPlayWithRoundedEdges) {
+  constexpr double kHalf = 0.0015, kRound = 0.0005;  // [m]
+  reality::SpringTruth truth;
+  truth.damping = 6.0;
+  for (int i = -600; i <= 600; ++i) {
+    const double x = 1e-4 * i, beyond = std::abs(x) - kHalf;
+    truth.curve.emplace_back(x + 0.002, std::copysign(75.0 * (beyond + std::hypot(beyond, kRound)), x));
+  }
+  const Json result = ask(truth, rig(18));
+  ASSERT_EQ(result.at("causes").size(), 1u) << result.at("sentence") << result.at("candidates");
+  EXPECT_EQ(result.at("causes")[0].at("effect"), "spring-play") << result.at("sentence");
+  EXPECT_NEAR(valueOf(result, "middle"), 0.002, 3e-4);
+}
+
 // A damper beside the spring, and not behind the play, resists within it, too: that had been "no multiple of the rate".
 TEST_F(Springs, ADamperBesideThePlayIsALinearOne) {
   const reality::SpringTruth truth = withPlay(0.01, 2.0);
