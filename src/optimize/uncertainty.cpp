@@ -342,6 +342,15 @@ void addHeldUncertainty(const LeastSquaresProblem& problem, std::span<const doub
   result.correlation = correlationOf(result.covariance);
 }
 
+void knowByInverse(double quantile, const ParameterSpec& spec, Estimate& k) {
+  if (k.fixed || k.at_bound || !k.identifiable) return;
+  const double inverse = 1.0 / k.value, half = quantile * k.sd;  // ends may lie farther off, but for bounds
+  const double above = std::max(half, k.upper95 - k.value) * inverse * inverse,
+               below = std::max(half, k.value - k.lower95) * inverse * inverse;
+  k.lower95 = std::max(1.0 / (inverse + below), spec.lower);
+  k.upper95 = inverse > above ? std::min(1.0 / (inverse - above), spec.upper) : spec.upper;
+}
+
 Uncertainty partOf(const Uncertainty& all, std::size_t begin, std::size_t end) {
   Uncertainty part = all;
   part.estimates = {all.estimates.begin() + std::ptrdiff_t(begin), all.estimates.begin() + std::ptrdiff_t(end)};

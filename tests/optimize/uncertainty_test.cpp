@@ -90,5 +90,21 @@ TEST(Uncertainty, AnIntervalFollowsANeighbourOnItsBound) {
   EXPECT_GT(a.value - a.lower95, 5.0 * (fixed.value - fixed.lower95)) << "held at its bound b hides what a may be";
 }
 
+TEST(Uncertainty, OfWhatActsByItsInverseHasNoUpperEndWhereThatMayBeNone) {
+  const ParameterSpec spec{"k", "1", 1e-12, 1e6};
+  const auto known = [&](double sd) {
+    Estimate k{
+        .name = "k", .value = 2.0, .sd = sd, .lower95 = std::max(2.0 - 2.0 * sd, 0.0), .upper95 = 2.0 + 2.0 * sd};
+    knowByInverse(2.0, spec, k);
+    return k;
+  };
+  EXPECT_NEAR(known(0.01).lower95, 1.9802, 1e-4);  // 1 / (1/2 + 0.02 / 4): of a small one nearly the same
+  EXPECT_NEAR(known(0.01).upper95, 2.0202, 1e-4);
+  EXPECT_NEAR(known(0.5).lower95, 4.0 / 3.0, 1e-12);
+  EXPECT_NEAR(known(0.5).upper95, 4.0, 1e-12);
+  EXPECT_NEAR(known(2.0).lower95, 2.0 / 3.0, 1e-12) << "1/2 + 1, and not down to its bound";
+  EXPECT_EQ(known(2.0).upper95, 1e6);
+}
+
 }  // namespace
 }  // namespace simgap

@@ -38,6 +38,9 @@ Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<co
 void addHeldUncertainty(const LeastSquaresProblem& problem, std::span<const double> theta, std::span<const int> held,
                         const Eigen::MatrixXd& covariance, Uncertainty& result);
 
+/// The interval of a parameter k > 0 that acts as 1 / k: of that, turned round; without an end where 1 / k may be 0.
+void knowByInverse(double quantile, const ParameterSpec& spec, Estimate& k);
+
 /// The same of the parameters from `begin` to before `end` alone.
 Uncertainty partOf(const Uncertainty& all, std::size_t begin, std::size_t end);
 

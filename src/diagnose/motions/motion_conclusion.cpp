@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "candidate_motions.h"
+#include "diagnose/far_parameters.h"
 #include "diagnose/verdict.h"
 #include "motion_candidates.h"
 #include "motion_evidence.h"
@@ -248,6 +249,11 @@ void MotionDiagnosing::conclude() {
         "causes";
   }
   warnOfHarm(d);
+  if (shift_ && !d.causes.empty()) return;  // it is named
+  const MotionCauseFit& fit = last_ ? *last_ : *plain_;
+  const MotionPosterior& posterior = fit.posterior();
+  std::ranges::move(farParameters(posterior.parameters(), posterior.space(), fit.here().z, fit.ordinary()),
+                    std::back_inserter(d.warnings));
 }
 
 }  // namespace simgap

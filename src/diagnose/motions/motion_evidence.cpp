@@ -91,8 +91,8 @@ void fillParameters(Diagnosis& diagnosis, const MotionSet& set, double step) {
       const double of_model = effect.command_delay               ? 0.0
                               : effect.parameters[i].unit == "s" ? std::hypot(effect.law_sd * size, step)
                                                                  : effect.law_sd * size;
-      const double half =
-          (std::isfinite(p.sd) ? 1.96 * std::hypot(p.sd, of_model) : 0.0) + (effect.command_delay ? row : 0.0);
+      const double told = p.sd > 0.0 ? 1.96 * std::hypot(p.sd, of_model) : std::nan("");
+      const double half = effect.command_delay ? told + row : told;
       diagnosis.causes[c].parameters.push_back(withIntervalIn(effect.parameters[i], p, half));
     }
   }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "diagnose/far_parameters.h"
 #include "diagnose/paired_error.h"
 #include "diagnose/verdict.h"
 #include "held_out_poses.h"
@@ -28,20 +29,6 @@ namespace {
 constexpr double kLeastOdds = 1.0;  // log, of causes by all poses together
 
 double mean(const Eigen::ArrayXd& values) { return values.size() > 0 ? values.mean() : 0.0; }
-
-/// Parameters that the poses put far from where they were measured by hand: what is wrong there may be a cause that no
-/// other can be named beside.
-void warnOfFarParameters(PoseFit& fit, Diagnosis& d) {
-  constexpr double kFar = 3.5;  // [sd] of the prior: one of 2000 lies further by chance
-  for (std::size_t i = 0; i < fit.ordinary(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    if (!fit.posterior().parameters().hasPrior(k) || std::abs(fit.z()[k]) <= kFar) continue;
-    d.warnings.push_back(fmt::format(
-        "{} lies {:.1f} standard deviations from its hand measurement: measure it again, or leave it out of "
-        "the fitted parameters, and a cause that it stands for can be named",
-        fit.space().parameters()[i].name, std::abs(fit.z()[k])));
-  }
-}
 
 class Diagnosing {
  public:
@@ -318,12 +305,14 @@ PoseDiagnosis Diagnosing::run() {
     const ArmEffect& effect = *selection_.causes[c].cause.effect;
     for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
       const Estimate& p = d.extensions[c].parameters[i];
-      const double half = std::isfinite(p.sd) ? 1.96 * p.sd : 0.0;
+      const double half = p.sd > 0.0 ? 1.96 * p.sd : std::nan("");  // none of a choice, nor of what is not told
       d.causes[c].parameters.push_back(withIntervalIn(effect.parameters[i], p, half));
     }
   }
   fillAbsorption(plain, fit);
-  warnOfFarParameters(fit, d);
+  std::ranges::move(
+      farParameters(fit.posterior().parameters(), fit.space(), fit.z(), static_cast<Eigen::Index>(fit.ordinary())),
+      std::back_inserter(d.warnings));
   d.explained_percent = 100.0 * (d.baseline.mse_heldout - d.extended.mse_heldout) / d.baseline.mse_heldout;
   // Beyond noise and what the parameters' own uncertainty does to poses they were not fitted to.
   d.explainable_percent = std::max({0.0, d.explained_percent, 100.0 * (1.0 - 1.0 / (1.0 + selection_.excess_plain))});

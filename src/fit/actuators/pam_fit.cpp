@@ -159,14 +159,6 @@ class PamProblem {
   std::vector<double> inside_, opposing_inside_;  ///< [N]
 };
 
-/// A tendon shows by what it stretches, f / k: the interval is one of 1 / k, which may be that of none (1 / k = 0).
-void turnRoundInterval(double quantile, const ParameterSpec& spec, Estimate& k) {
-  if (k.fixed || k.at_bound || !k.identifiable) return;
-  const double compliance = 1.0 / k.value, reach = quantile * k.sd * compliance * compliance;
-  k.lower95 = std::max(1.0 / (compliance + reach), spec.lower);
-  k.upper95 = compliance > reach ? std::min(1.0 / (compliance - reach), spec.upper) : spec.upper;
-}
-
 /// Forces that no muscle of the model has take part in the fit all the same.
 std::string impossibleForces(const PamLog& log) {
   constexpr double kOfLargest = 0.02;  // [of the largest force] what is less is noise
@@ -310,7 +302,8 @@ PamFit fitAsRead(const PamLog& log, const PamFitOptions& options, const std::vec
   fit.theta = found.front().theta;
   fit.mse = found.front().cost / static_cast<double>(fit.n);
   fit.uncertainty = estimateUncertainty(problem, fit.theta, model.session);
-  turnRoundInterval(fit.uncertainty.quantile, problem.parameters[3], fit.uncertainty.estimates[3]);
+  // A tendon shows by what it stretches, f / k, and may be none at all (1 / k = 0).
+  knowByInverse(fit.uncertainty.quantile, problem.parameters[3], fit.uncertainty.estimates[3]);
   if (options.tied) tieSecond(fit);
   if (!options.spring) {
     if (!options.fixed.contains("k")) fit.theta[3] = kInfinity;
