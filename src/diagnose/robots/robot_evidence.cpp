@@ -193,11 +193,13 @@ std::string leftBeyondKnown(const RobotUnseen& unseen, const std::vector<std::si
   constexpr double kCounts = 0.2;  // of all joints' excess: that of a joint which has to be explained itself, too
   constexpr double kFar = 20.0;    // times the known squared error: whatever was found, the joint is not explained
   constexpr double kLittle = 0.1;  // of its own joints' excess: what leaves no more is no other joint's
+  constexpr double kWhole = 5.0, kOfBefore = 0.02;  // times the known squared error: what acts on several joints leaves
   const RobotSearch& search = unseen.search;
   const std::vector<double> floors = noiseFloors(search, unseen.predicted);
   const std::vector<bool> every(search.ground().training.size(), true);
   const Index all = std::ssize(floors) - 1;
-  ArrayXd left = ArrayXd::Zero(all), before = ArrayXd::Constant(all, 1e-300), times = ArrayXd::Zero(all);
+  ArrayXd left = ArrayXd::Zero(all), before = ArrayXd::Constant(all, 1e-300), times = ArrayXd::Zero(all),
+          allowed = ArrayXd::Zero(all);
   double own_left = 0.0, own_before = 1e-300;
   for (Index j = 0; j < all; ++j) {
     const auto c = static_cast<std::size_t>(j);
@@ -208,17 +210,22 @@ std::string leftBeyondKnown(const RobotUnseen& unseen, const std::vector<std::si
     before[j] += std::max(0.0, plain.sum.sum() - known * plain.rows.sum());
     left[j] = std::max(0.0, with.sum.sum() - kBeyondKnown * known * with.rows.sum());
     times[j] = with.mse() / known;
+    allowed[j] = std::max(kWhole, kOfBefore * plain.mse() / known);
     if (std::ranges::find(joints, c) == joints.end()) continue;
     own_before += before[j];
     own_left += std::max(0.0, with.sum.sum() - known * with.rows.sum());
   }
+  const auto staysAt = [&](Index j) {
+    return fmt::format("{} stays at {:.0f} times its known squared error beside it: it may only stand in",
+                       search.rows().jointName(static_cast<std::size_t>(j)), times[j]);
+  };
   double share = left.sum() / before.sum();
+  for (Index j = 0; j < all && joints.size() > 1; ++j) {
+    if (before[j] > kCounts * before.sum() && times[j] > allowed[j]) return staysAt(j);
+  }
   if (own_left > kLittle * own_before) {
     Index worst = 0;
-    if (times.maxCoeff(&worst) > kFar) {
-      return fmt::format("{} stays at {:.0f} times its known squared error beside it: it may only stand in",
-                         search.rows().jointName(static_cast<std::size_t>(worst)), times[worst]);
-    }
+    if (times.maxCoeff(&worst) > kFar) return staysAt(worst);
     share = std::max(share, (before > kCounts * before.sum()).select(left / before, 0.0).maxCoeff());
   }
   if (share <= kMuch) return {};

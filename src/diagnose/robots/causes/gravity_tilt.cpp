@@ -10,6 +10,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr char kName[] = "gravity-tilt";
+constexpr double kSteepest = 0.5;  // [rad]: nobody overlooks more
 
 std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
   const Vector3d gravity = rows.model().arm.gravity;
@@ -28,7 +29,7 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
   h.sentence = "the base is tilted against gravity";
   h.separates = "the base with a level beside it, or the same slow motion after the base was turned about the vertical";
   for (const Eigen::Index axis : {first, second}) {
-    h.parameters.push_back({{std::string("turn_") + "xyz"[axis], "rad", -0.8, 0.8}, 1e-2});
+    h.parameters.push_back({{std::string("turn_") + "xyz"[axis], "rad", -kSteepest, kSteepest}, 1e-2});
   }
   h.linear = false;
   h.torque = [&rows, turnOf](const VectorXd& theta) {
