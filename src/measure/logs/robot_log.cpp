@@ -189,7 +189,7 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
   joint.position = log.position;
   completeMotion(log, runs, std::nullopt, true, notes);
   joint.bandwidth = notes.bandwidth;
-  SmoothMotion sharper = smoothMotion(time, joint.measured_velocity ? log.velocity : joint.position,
+  SmoothMotion sharper = smoothMotion(log.time, joint.measured_velocity ? log.velocity : joint.position,
                                       joint.measured_velocity, runs, kSharper * notes.bandwidth);
   joint.sharper_velocity = std::move(sharper.velocity);
   joint.sharper_acceleration = std::move(sharper.acceleration);
