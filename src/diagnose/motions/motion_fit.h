@@ -107,9 +107,9 @@ class MotionCauseFit {
   Eigen::MatrixXd covariance() const;
   /// The causes with their values and standard deviations.
   std::vector<Extension> extensions() const;
+  Eigen::Index ordinary() const;  ///< parameters before the causes'
 
  private:
-  Eigen::Index ordinary() const;  ///< parameters before the causes'
   bool place(const Eigen::VectorXd& z);
   void putAtStart(Eigen::VectorXd& z) const;
   void searchAlong(Eigen::Index i);
