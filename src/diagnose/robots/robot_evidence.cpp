@@ -199,7 +199,7 @@ std::string leftBeyondKnown(const RobotUnseen& unseen, const std::vector<std::si
   const std::vector<bool> every(search.ground().training.size(), true);
   const Index all = std::ssize(floors) - 1;
   ArrayXd left = ArrayXd::Zero(all), before = ArrayXd::Constant(all, 1e-300), times = ArrayXd::Zero(all),
-          allowed = ArrayXd::Zero(all);
+          times_before = ArrayXd::Zero(all);
   double own_left = 0.0, own_before = 1e-300;
   for (Index j = 0; j < all; ++j) {
     const auto c = static_cast<std::size_t>(j);
@@ -210,7 +210,7 @@ std::string leftBeyondKnown(const RobotUnseen& unseen, const std::vector<std::si
     before[j] += std::max(0.0, plain.sum.sum() - known * plain.rows.sum());
     left[j] = std::max(0.0, with.sum.sum() - kBeyondKnown * known * with.rows.sum());
     times[j] = with.mse() / known;
-    allowed[j] = std::max(kWhole, kOfBefore * plain.mse() / known);
+    times_before[j] = plain.mse() / known;
     if (std::ranges::find(joints, c) == joints.end()) continue;
     own_before += before[j];
     own_left += std::max(0.0, with.sum.sum() - known * with.rows.sum());
@@ -221,7 +221,8 @@ std::string leftBeyondKnown(const RobotUnseen& unseen, const std::vector<std::si
   };
   double share = left.sum() / before.sum();
   for (Index j = 0; j < all && joints.size() > 1; ++j) {
-    if (before[j] > kCounts * before.sum() && times[j] > allowed[j]) return staysAt(j);
+    const bool counts = times_before[j] > kCounts * times_before.sum();
+    if (counts && times[j] > std::max(kWhole, kOfBefore * times_before[j])) return staysAt(j);
   }
   if (own_left > kLittle * own_before) {
     Index worst = 0;
