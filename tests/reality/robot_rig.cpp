@@ -294,6 +294,9 @@ VectorXd rigidTorques(const Robot& robot, const VectorXd& q, const VectorXd& v, 
   for (int k = 0; k < std::ssize(robot.links); ++k) {
     torque -= robot.links[k].mass * jacobianOf(robot, poses, k).way.transpose() * robot.gravity;
   }
+  const int last = static_cast<int>(robot.links.size()) - 1;
+  const Vector3d stretched = poses.back() * robot.links.back().centre - robot.cord.anchor;
+  torque += robot.cord.stiffness * jacobianOf(robot, poses, last).way.transpose() * stretched;
   return torque;
 }
 

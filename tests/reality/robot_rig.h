@@ -54,10 +54,17 @@ struct RobotLoad {
   double from = 0.0, until = 0.0;                ///< [s] since the log begins
 };
 
+/// Pulls the last link's centre to a place: no cause of the catalogue.
+struct RobotCord {
+  double stiffness = 0.0;                    ///< [N/m]
+  Eigen::Vector3d anchor = {0.5, 0.4, 1.2};  ///< [m]
+};
+
 struct Robot {
   std::vector<RobotLink> links;
   Eigen::Vector3d gravity = {0.0, 0.0, -9.81};
   RobotLoad load = {};
+  RobotCord cord = {};
 };
 
 /// A point mass on a link, for good: by Huygens and Steiner about the common centre.

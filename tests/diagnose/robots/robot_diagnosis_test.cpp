@@ -89,6 +89,17 @@ TEST_F(RobotDiagnosisTest, WhatIsLeftOfOtherJointsIsSaidOfThem) {
       << found.diagnosis.sentence;
 }
 
+/// It was a payload below nothing, with a base that leans: a constant pull upwards is most of what a cord does.
+TEST_F(RobotDiagnosisTest, ACordThatPullsAtTheHandHasNoName) {
+  for (const double stiffness : {8.0, 25.0}) {
+    reality::Robot truth = drawn_->robot;
+    truth.cord.stiffness = stiffness;
+    const Diagnosis d = diagnosed(truth).diagnosis;
+    EXPECT_EQ(d.verdict, DiagnosisVerdict::kUnexplained) << stiffness << " N/m: " << d.sentence;
+    EXPECT_TRUE(d.causes.empty()) << d.sentence;
+  }
+}
+
 /// With several numbers changed and none of them asked for, no motion of one joint would tell what it is.
 TEST_F(RobotDiagnosisTest, WhatAllNumbersSaveHasWordsOfItsOwn) {
   reality::Robot truth = drawn_->robot;
