@@ -193,7 +193,7 @@ std::string leftBeyondKnown(const RobotUnseen& unseen, const std::vector<std::si
   constexpr double kCounts = 0.2;  // of all joints' excess: that of a joint which has to be explained itself, too
   constexpr double kFar = 20.0;    // times the known squared error: whatever was found, the joint is not explained
   constexpr double kLittle = 0.1;  // of its own joints' excess: what leaves no more is no other joint's
-  constexpr double kWhole = 5.0, kOfBefore = 0.02;  // times the known squared error: what acts on several joints leaves
+  constexpr double kWhole = 3.0, kOfBefore = 0.02;  // times the known squared error: what acts on several joints leaves
   const RobotSearch& search = unseen.search;
   const std::vector<double> floors = noiseFloors(search, unseen.predicted);
   const std::vector<bool> every(search.ground().training.size(), true);

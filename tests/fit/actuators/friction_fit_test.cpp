@@ -276,7 +276,7 @@ TEST(FrictionFit, AStrengthThatIsHardlyToldMayBeLarge) {
   truth.sliding_offset = truth.breakaway_offset = 0.6;
   int held = 0, symmetric = 0, logs = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
-    const auto log = simulateFrictionLog(truth, {.rows = 400, .sessions = 4, .heaviest = 0.15, .seed = seed});
+    const auto log = simulateFrictionLog(truth, {.rows = 400, .sessions = 3, .heaviest = 0.15, .seed = seed});
     const FrictionFit found = fit("coulomb", frictionData(log));
     const Estimate& k_a = estimate(found, "k_a");
     if (k_a.at_bound) continue;
