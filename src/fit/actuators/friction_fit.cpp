@@ -257,9 +257,6 @@ FrictionFit fitFriction(const FrictionLaw& law, const FrictionData& data, const 
     fit.warnings.push_back(fmt::format("the polish of {} stopped early: {}", law.name, best.message));
   fit.uncertainty = estimateUncertainty(problem, fit.theta, data.session);
   allowForLeftOut(problem, data, fit);
-  // k_a divides what is predicted of the effort: a log that hardly tells it may be one of any motor stronger than that.
-  if (!options.predict_load)
-    knowByInverse(fit.uncertainty.quantile, problem.parameters[0], fit.uncertainty.estimates[0]);
   if (squares) holdLikelyPlaces(model, search, fit);
   if (folds >= 2) fit.mse_heldout = crossValidate(model, search.parts, search.total, fit.minima);
   for (const std::string& sentence : motionGaps(model, data, fit.theta)) fit.warnings.push_back(sentence);

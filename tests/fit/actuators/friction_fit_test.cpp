@@ -268,31 +268,6 @@ TEST(FrictionFit, WhatMayHaveAnySizeIsNotDetermined) {
   EXPECT_THAT(found.uncertainty.findings, testing::Contains(HasSubstr("cannot be found")));
 }
 
-// The load is hardly more than the noise: what the effort tells is 1 / k_a, and an interval as wide on both sides
-// missed.
-TEST(FrictionFit, AStrengthThatIsHardlyToldMayBeLarge) {
-  FrictionTruth truth;
-  truth.sliding_per_load = truth.breakaway_per_load = 0.0;
-  truth.sliding_offset = truth.breakaway_offset = 0.6;
-  int held = 0, symmetric = 0, logs = 0;
-  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
-    const auto log = simulateFrictionLog(truth, {.rows = 400, .sessions = 3, .heaviest = 0.15, .seed = seed});
-    const FrictionFit found = fit("coulomb", frictionData(log));
-    const Estimate& k_a = estimate(found, "k_a");
-    if (k_a.at_bound) continue;
-    ++logs;
-    const auto holds = [&](double lower, double upper) {
-      return lower <= truth.torque_per_ampere && truth.torque_per_ampere <= upper ? 1 : 0;
-    };
-    held += k_a.identifiable ? holds(k_a.lower95, k_a.upper95) : 1;
-    const double half = found.uncertainty.quantile * k_a.sd;
-    symmetric += k_a.identifiable ? holds(k_a.value - half, k_a.value + half) : 1;
-  }
-  ASSERT_GE(logs, 40);
-  EXPECT_GE(held, 0.9 * logs);
-  EXPECT_GT(held, symmetric) << "or this log does not test it";
-}
-
 TEST(FrictionFit, NamesTheStribeckVelocityWhenNothingIsSlow) {
   const FrictionData data = frictionData(simulateFrictionLog(variantA(0.1), {.rows = 8000}));
   std::vector<bool> fast(data.rows());
