@@ -188,12 +188,12 @@ RobotLeft whatIsLeft(const RobotUnseen& unseen, const std::vector<std::size_t>& 
   return left;
 }
 
-std::string leftBeyondKnown(const RobotUnseen& unseen, const std::vector<std::size_t>& joints) {
+std::string leftBeyondKnown(const RobotUnseen& unseen, const std::vector<std::size_t>& joints, bool of_bodies) {
   constexpr double kMuch = 0.25;   // bodies carry what acts at one joint to others
   constexpr double kCounts = 0.2;  // of all joints' excess: that of a joint which has to be explained itself, too
   constexpr double kFar = 20.0;    // times the known squared error: whatever was found, the joint is not explained
   constexpr double kLittle = 0.1;  // of its own joints' excess: what leaves no more is no other joint's
-  constexpr double kWhole = 3.0, kOfBefore = 0.02;  // times the known squared error: what acts on several joints leaves
+  constexpr double kWhole = 3.0, kOfBefore = 0.02;  // times the known squared error: what acts on bodies leaves
   const RobotSearch& search = unseen.search;
   const std::vector<double> floors = noiseFloors(search, unseen.predicted);
   const std::vector<bool> every(search.ground().training.size(), true);
@@ -220,7 +220,7 @@ std::string leftBeyondKnown(const RobotUnseen& unseen, const std::vector<std::si
                        search.rows().jointName(static_cast<std::size_t>(j)), times[j]);
   };
   double share = left.sum() / before.sum();
-  for (Index j = 0; j < all && joints.size() > 1; ++j) {
+  for (Index j = 0; j < all && of_bodies; ++j) {
     const bool counts = times_before[j] > kCounts * times_before.sum();
     if (counts && times[j] > std::max(kWhole, kOfBefore * times_before[j])) return staysAt(j);
   }

@@ -166,7 +166,8 @@ class RobotJudge {
       return fmt::format("{:.0f} % of the error are left without a name beside its {:.0f} %: it may only stand in",
                          100.0 * left, 100.0 * gain.value);
     }
-    if (std::string why = leftBeyondKnown(*unseen, joints); !why.empty()) return why;
+    const bool of_bodies = joints.size() > 1 && !search_.hypothesis(set[cause]).isDelay();
+    if (std::string why = leftBeyondKnown(*unseen, joints, of_bodies); !why.empty()) return why;
     if (const double placebo = placeboP(search_, set, cause, options_.seed); placebo > kPlaceboLevel) {
       return fmt::format("signals of the same spectrum that belong to no motion explain as much (p {:.2g})", placebo);
     }

@@ -45,8 +45,9 @@ inline constexpr double kBeyondKnown = 2.0;
 /// Why a cause may only stand in for what acts: much is left beside all causes beyond that, of what the model without
 /// them has beyond its known errors. Where the cause leaves some of its own joints' excess, of any joint that has much
 /// of it, or a joint stays far beyond: what acts at one shakes others, whose causes would be named. Empty: it does not,
-/// or nobody has written down what was left. \param joints  on which it acts
-std::string leftBeyondKnown(const RobotUnseen& unseen, const std::vector<std::size_t>& joints);
+/// or nobody has written down what was left. \param joints  on which it acts \param of_bodies  on several of them at
+/// once, and not late: it has to explain those that have most of the excess
+std::string leftBeyondKnown(const RobotUnseen& unseen, const std::vector<std::size_t>& joints, bool of_bodies);
 
 /// Takes causes out of the selection that are no findings.
 RobotFindings judgeFindings(RobotSearch& search, RobotSelector& selector, const RobotDiagnosisOptions& options,
